@@ -39,9 +39,11 @@ class Follower:
         self.move(received)
 
     def start(self, size: int) -> None:
-        own = sp.Configuration.parse(rospy.get_param("platoon/configuration")).model.vehicle(self.index)
+        model = sp.Configuration.parse(rospy.get_param("platoon/configuration")).model
+        own = model.vehicle(self.index)
         self.h, self.delta = own.time_headway, own.standstill_distance
-        self.y = self.y_before = np.full(size, own.place)  # y(k), y(k - 1): at rest
+        self.y = np.full(size, own.place)                          # y(k)
+        self.y_before = self.y - own.speed * model.sample_period   # y(k - 1); own.speed is 0 for a start from rest
         self.u = np.zeros(size)
 
     def move(self, received: Any) -> None:

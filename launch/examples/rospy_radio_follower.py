@@ -76,8 +76,10 @@ class Follower:
         plant = keys["plant"]["continuous"]
         self.lag = plant["denominator"][-4] if len(plant["denominator"]) > 3 else 0.0
         delay = round(plant["input_delay"] / self.period)  # in whole sample periods
-        self.y = self.y_before = np.full(size, own.place)
-        self.v, self.a, self.u, self.e = (np.zeros(size) for _ in range(4))  # at rest; u(k - 1), e(k - 1)
+        self.y = np.full(size, own.place)
+        self.y_before = self.y - own.speed * self.period
+        self.v = np.full(size, own.speed)
+        self.a, self.u, self.e = (np.zeros(size) for _ in range(3))  # steady; u(k - 1), e(k - 1)
         self.line = collections.deque([self.u] * delay)
 
     def move(self, received: Any, heard: Any) -> None:

@@ -151,7 +151,8 @@ py::dict vehicle_of(const Model& model, std::size_t index) {
   document["standstill_distance"] = of.standstill_distance;
   document["vehicle_length"] = of.length;
   document["noise_variance"] = of.noise_variance;
-  document["place"] = place_in_formation(model.model(), index);
+  document["place"] = start_place(model.model(), index);
+  document["speed"] = start_slope(model.model()) / model.model().sample_period;
   document["loss_probability"] = link.loss ? nlohmann::json(link.loss->probability) : nlohmann::json();
   return object_of(document);
 }

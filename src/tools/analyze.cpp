@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
         {"sweep_burst", "FROM:TO:COUNT: stability over mean bursts, and over the others given"},
         {"csv", "file for the map, for plot map"},
         {"signals",
-         "gap, speed, acceleration, jerk, separated by commas: their moments beside those of the errors; with the speed its amplification"},
+         "gap, speed, acceleration, jerk, input, separated by commas: their moments beside those of the errors; with the speed its amplification"},
         {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"}}});
   try {
     if (given.has("sweep_gain") && !given.has("sweep_headway"))

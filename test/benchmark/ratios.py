@@ -21,6 +21,7 @@ ROUNDS = 3
 REALIZATIONS = 50000
 MILLION = 1000000
 MODEL = live_platoon.shared("config", "paper.yaml")
+LIMITED = live_platoon.shared("config", "acc_limits.yaml")
 
 
 def in_turn(*measurements):
@@ -32,11 +33,20 @@ def in_turn(*measurements):
     return [statistics.median(place) for place in values]
 
 
-def monte_carlo(machine, *options):
+def monte_carlo(machine, *options, model=MODEL):
     folder = machine.fresh("monte_carlo")
-    subprocess.run([live_platoon.executable("monte_carlo"), "--model", MODEL, "--realizations", str(MILLION), "--output",
+    subprocess.run([live_platoon.executable("monte_carlo"), "--model", model, "--realizations", str(MILLION), "--output",
                     folder] + list(options), check=True, stdout=subprocess.DEVNULL)
     return live_platoon.summary_of(folder)["vehicle_steps_per_second"]
+
+
+def without_limits(machine):
+    """A model file of the car of acc_limits.yaml without its limits."""
+    file = os.path.join(machine.folder, "linear.yaml")
+    with open(LIMITED) as limited, open(file, "w") as linear:
+        linear.writelines(line for line in limited if not line.startswith("limits:"))
+        linear.write("start: steady\n")
+    return file
 
 
 def rate_of_program(machine):
@@ -77,6 +87,10 @@ def pairs(machine):
     yield "monte_carlo, gap, speed, acceleration and jerk", "monte_carlo", signals, core
     yield "monte_carlo", "SciPy lfilter program, one core", core, scipy
     yield "monte_carlo", "Octave program", core, octave
+    linear = without_limits(machine)
+    limited, linear = in_turn(lambda: monte_carlo(machine, "--steps", "100", model=LIMITED),
+                              lambda: monte_carlo(machine, "--steps", "100", model=linear))
+    yield "monte_carlo, cars with limits", "the same cars without", limited, linear
     yield "one_process", "monte_carlo", one, core
     yield "processes", "NumPy program, one core", many, numpy
     module, program = in_turn(lambda: peer("from_python.py", str(MILLION))[speed], lambda: rate_of_program(machine))

@@ -20,7 +20,8 @@ struct VehicleSettings {
   double headway;              ///< h, in sample periods
   double standstill_distance;  ///< delta_i, to its predecessor [m]
   double sample_period;        ///< T_s [s]
-  double initial_position;     ///< -(delta_1 + ... + delta_i) [m]
+  double initial_position;     ///< at step -1 [m]: -(delta_1 + ... + delta_i), and behind it for a steady start
+  double initial_speed;        ///< V [m/s], at which all vehicles have driven up to step -1; 0: at rest
   bool hears_input;            ///< it has a radio: its predecessor's control input is part of every step
 };
 

@@ -44,7 +44,8 @@ class Vehicle:
     vehicle_length: float  #: [m]
     noise_variance: float  #: P_d [m^2] of the link into it
     loss_probability: Optional[float]  #: of that link, or of the radio if there is one; None without losses
-    place: float  #: [m] in formation, the leader at 0
+    place: float  #: [m] at step -1: in formation, the leader at 0; behind it by the headways for a steady start
+    speed: float  #: V [m/s], at which all vehicles have driven up to step -1: 0 from rest, else the leader's first speed
 
 
 class Model:

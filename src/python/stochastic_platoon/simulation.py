@@ -79,7 +79,7 @@ def monte_carlo(model: Model, *, realizations: int = 10000, followers: int = 20,
                 progress: Optional[Callable[[int, int], None]] = None) -> Results:
     """Computes `realizations` of a platoon of `followers` over `steps` (10 s of driving by default), with the bits of the nodes.
 
-    `signals`: gap, speed, acceleration, jerk, beside the tracking errors. `burn_in`: steps that the amplification leaves out.
+    `signals`: gap, speed, acceleration, jerk, input, beside the tracking errors. `burn_in`: steps that the amplification leaves out.
     `threads`: one per core by default; the results do not depend on it. `output`: a folder for the results, in which a run that
     was interrupted or killed continues; without it they are only returned. `progress(done, realizations)` is called about ten
     times a second; its exceptions, and Ctrl-C, end the run.

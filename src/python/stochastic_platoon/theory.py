@@ -131,7 +131,7 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
             collision_probability: Optional[float] = None, burn_in: Optional[int] = None) -> Analysis:
     """The theory of a platoon of `followers` over `steps` (10 s of driving by default).
 
-    `signals`: gap, speed, acceleration, jerk. `collision_probability`: per step; adds collisions, and the standstill distance that
+    `signals`: gap, speed, acceleration, jerk, input. `collision_probability`: per step; adds collisions, and the standstill distance that
     satisfies it. `burn_in`: steps that the amplification leaves out. Raises ValueError with all problems of the settings.
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)

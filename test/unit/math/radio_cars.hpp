@@ -8,7 +8,7 @@ namespace platoon {
 inline PlatoonModel radio_platoon_of(LoopDesign design, double headway, double radar, double radio,
                                      std::int64_t radio_delay, double period) {
   design.headway_filter = true;
-  design.in_radio_string = true;
+  design.sends_input = true;
   VehicleModel vehicle{close_loop(design, headway), headway};
   vehicle.design = design;
   vehicle.noise_variance = radar;
@@ -50,7 +50,7 @@ inline void add_trucks(PlatoonModel& model, double lag, double input_delay, doub
   const double period = model.sample_period;
   LoopDesign design{{car_with_actuator_lag(lag, input_delay), period}, {ControllerGains{0.3, 0.8, 0.0}, period}};
   design.headway_filter = true;
-  design.in_radio_string = true;
+  design.sends_input = true;
   VehicleType truck{"truck", model.default_vehicle(), {}};
   truck.vehicle.design = design;
   truck.vehicle.headway = 120.0;

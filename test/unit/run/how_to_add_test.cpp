@@ -48,7 +48,7 @@ public:
   explicit EventTriggered(double threshold) : threshold_(threshold) {}
 
   bool keeps_state() const override { return true; }
-  void start(std::uint64_t, std::size_t count, const double* positions) override {
+  void start(std::uint64_t, std::size_t count, double* positions, double) override {
     sent_.assign(positions, positions + count);
   }
   void step(std::int64_t, std::uint64_t, std::size_t count, double* positions) override {

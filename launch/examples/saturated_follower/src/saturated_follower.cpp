@@ -19,6 +19,7 @@ struct Dynamics {
     of_run = settings;
     position.assign(position.size(), settings.initial_position);
     y = y_before = position;
+    for (double& before : y_before) before -= settings.initial_speed * settings.sample_period;
     u.assign(position.size(), 0.0);
     demanded = u;
   }

@@ -52,7 +52,7 @@ ColouredNoise::ColouredNoise(double noise_variance, const TransferFunction& filt
   registers_.resize(static_cast<std::size_t>(order));
 }
 
-void ColouredNoise::start(std::uint64_t, std::size_t count, const double*) {
+void ColouredNoise::start(std::uint64_t, std::size_t count, double*, double) {
   for (AlignedValues& v : registers_) v.assign(count, 0.0);
 }
 

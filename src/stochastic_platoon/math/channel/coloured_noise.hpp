@@ -19,7 +19,7 @@ public:
   ColouredNoise(double noise_variance, const TransferFunction& filter, const WhiteNoise& noise, std::uint32_t receiver);
 
   bool keeps_state() const override { return !registers_.empty(); }
-  void start(std::uint64_t first_realization, std::size_t count, const double* positions) override;
+  void start(std::uint64_t first_realization, std::size_t count, double* positions, double slope) override;
   void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
 
 private:

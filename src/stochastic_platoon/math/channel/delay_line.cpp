@@ -11,9 +11,13 @@ DelayLine::DelayLine(std::int64_t steps) {
   registers_.resize(static_cast<std::size_t>(steps));
 }
 
-void DelayLine::start(std::uint64_t, std::size_t count, const double* positions) {
-  for (AlignedValues& past : registers_) past.assign(positions, positions + count);
+void DelayLine::start(std::uint64_t, std::size_t count, double* positions, double slope) {
   oldest_ = 0;
+  for (std::size_t j = registers_.size(); j-- > 0;) {  // from the position of step -1 back
+    registers_[j].assign(positions, positions + count);
+    if (slope == 0.0) continue;
+    for (std::size_t r = 0; r < count; ++r) positions[r] -= slope;
+  }
 }
 
 void DelayLine::step(std::int64_t, std::uint64_t, std::size_t count, double* positions) {

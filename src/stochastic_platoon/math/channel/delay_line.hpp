@@ -7,14 +7,14 @@
 
 namespace platoon {
 
-/// A delay of m whole steps: outputs the position of step k - m, and that of step -1 for k < m.
+/// A delay of m whole steps: outputs the position of step k - m; at rest that of step -1 for k < m.
 class DelayLine : public LinkStage {
 public:
   /// Throws std::invalid_argument unless m >= 1.
   explicit DelayLine(std::int64_t steps);
 
   bool keeps_state() const override { return true; }
-  void start(std::uint64_t first_realization, std::size_t count, const double* positions) override;
+  void start(std::uint64_t first_realization, std::size_t count, double* positions, double slope) override;
   void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
 
 private:

@@ -122,7 +122,7 @@ std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed,
   for (std::uint64_t first = 0; first < realizations; first += kTile) {
     const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(kTile, realizations - first));
     std::vector<double> latest(size, -1.0);
-    link.start(first, size, latest.data());
+    link.start(first, size, latest.data(), 0.0);
     for (std::int64_t k = 0; k < steps; ++k) {
       const auto now = static_cast<double>(k);
       std::fill(latest.begin(), latest.end(), now);

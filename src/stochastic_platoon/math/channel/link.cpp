@@ -30,7 +30,9 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double 
 }  // namespace
 
 Link::Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver)
-    : noise_(vehicle(model, receiver).noise_variance, noise, receiver), length_(vehicle(model, receiver - 1).length) {
+    : noise_(vehicle(model, receiver).noise_variance, noise, receiver),
+      length_(vehicle(model, receiver - 1).length),
+      slope_(start_slope(model)) {
   const VehicleModel& own = vehicle(model, receiver);
   if (!own.link.is_white_noise_only()) take(stages_of(own.link, own.noise_variance, noise, receiver));
 }
@@ -73,7 +75,7 @@ void Link::transmit(std::int64_t step, std::uint64_t first_realization, const do
   }
   for (const auto& stage : stages_) {
     if (step < 0) {
-      stage->start(first_realization, count, received);
+      stage->start(first_realization, count, received, slope_);
     } else {
       stage->step(step, first_realization, count, received);
     }

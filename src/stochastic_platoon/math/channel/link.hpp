@@ -25,7 +25,7 @@ struct LinkEnds {
 ///
 ///     quantise -> + noise -> delay -> loss
 ///
-/// (see LinkModel). At step -1 every stage passes the position on and fills its registers with it.
+/// (see LinkModel). At step -1 every stage is as the start of the platoon leaves it: see Start.
 ///
 /// Every draw is a pure function of (seed, purpose, i, k, r). A link with stages that keep state requires the steps of
 /// a batch in order, from step -1 on; any other link, such as the paper's, accepts steps in any order.
@@ -66,6 +66,7 @@ private:
   std::vector<std::unique_ptr<LinkStage>> stages_;  ///< replace noise_; empty if the link is the paper's
   bool keeps_state_ = false, depends_on_gap_ = false;
   double length_ = 0.0;  ///< of the predecessor [m]
+  double slope_ = 0.0;   ///< start_slope() of what is sent
   std::vector<double> gaps_;
 };
 

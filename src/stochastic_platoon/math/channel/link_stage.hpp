@@ -14,9 +14,9 @@ public:
   /// Whether step() depends on earlier steps. If so, steps must follow in order after start().
   virtual bool keeps_state() const = 0;
 
-  /// Step -1 of realizations first_realization .. first_realization + count - 1: fills the registers with these
-  /// positions [m], which pass unchanged.
-  virtual void start(std::uint64_t first_realization, std::size_t count, const double* positions) = 0;
+  /// Step -1 of realizations first_realization .. first_realization + count - 1: fills the registers as positions [m]
+  /// that have always grown by `slope` per step leave them, and passes what it would have passed of these.
+  virtual void start(std::uint64_t first_realization, std::size_t count, double* positions, double slope) = 0;
 
   /// Whether step() depends on the gap to the predecessor. If so, see_gaps() precedes every step k >= 0.
   virtual bool depends_on_gap() const { return false; }

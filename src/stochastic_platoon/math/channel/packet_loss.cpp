@@ -86,8 +86,12 @@ PacketLoss::PacketLoss(const LossModel& loss, const WhiteNoise& noise, std::uint
   if (loss.markov) modes_.emplace(LossChain(loss));
 }
 
-void PacketLoss::start(std::uint64_t first_realization, std::size_t count, const double* positions) {
-  for (AlignedValues& used : used_) used.assign(positions, positions + count);
+void PacketLoss::start(std::uint64_t first_realization, std::size_t count, double* positions, double slope) {
+  for (std::size_t j = 0; j < used_.size(); ++j) {
+    used_[j].assign(positions, positions + count);
+    if (slope == 0.0) continue;
+    for (double& position : used_[j]) position -= slope * static_cast<double>(j);
+  }
   chance_.assign(count, loss_.probability);
   newest_ = 0;
   mode_.assign(modes_ ? count : 0, 0);

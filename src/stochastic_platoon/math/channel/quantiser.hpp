@@ -14,7 +14,7 @@ public:
   Quantiser(double step_size, const WhiteNoise& noise, std::uint32_t receiver);
 
   bool keeps_state() const override { return false; }
-  void start(std::uint64_t, std::size_t, const double*) override {}
+  void start(std::uint64_t, std::size_t, double*, double) override {}
   void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override;
 
 private:

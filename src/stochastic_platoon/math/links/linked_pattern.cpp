@@ -39,7 +39,11 @@ bool has_bursts(const PlatoonModel& model) {
 }
 
 std::optional<std::string> no_theory(const PlatoonModel& model) {
+  if (has_limits(model)) return "vehicles have limits";
   if (depends_on_gap(model)) return "losses depend on the gap";
+  const auto moves = [](const VehicleType& type) { return type.vehicle.link.loses(); };
+  if (start_slope(model) != 0.0 && std::any_of(model.types.begin(), model.types.end(), moves))
+    return "the platoon starts in steady motion (start: steady) over links of positions that lose";
   const LossModel* recorded = nullptr;
   any_link(model, [&](const LinkModel& link) {
     if (link.loses() && link.loss->trace) recorded = &*link.loss;
@@ -56,7 +60,7 @@ std::optional<std::string> no_theory(const PlatoonModel& model) {
 
 LinkedPattern::LinkedPattern(const PlatoonModel& model, const LinkedPattern& known) {
   if (const std::optional<std::string> reason = no_theory(model))
-    throw std::invalid_argument("loss: no theory, as " + *reason);
+    throw std::invalid_argument("no theory, as " + *reason);
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> place;  // (model type, that of the predecessor)
   const std::vector<std::size_t> model_types = type_order(model);
   const bool sends = has_feed_forward(model);

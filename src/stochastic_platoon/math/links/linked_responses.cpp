@@ -19,6 +19,21 @@ MeanVehicle::Sequence virtual_leader(const PlatoonModel& model, std::size_t step
   return positions;
 }
 
+namespace {
+
+// As LeaderVehicle::input().
+MeanVehicle::Sequence accelerations(const MeanVehicle::Sequence& positions, long double slope, long double period) {
+  MeanVehicle::Sequence inputs{0.0L};
+  for (std::size_t k = 1; k < positions.size(); ++k) {
+    const long double moved = positions[k] - positions[k - 1];
+    inputs.push_back((moved - slope) / (period * period));
+    slope = moved;
+  }
+  return inputs;
+}
+
+}  // namespace
+
 Motion leader_motion(const PlatoonModel& model, std::size_t steps) {
   Motion received;
   MeanVehicle::Sequence& positions = received.position;
@@ -29,6 +44,7 @@ Motion leader_motion(const PlatoonModel& model, std::size_t steps) {
     }
     positions.assign(model.recorded_leader.begin(),
                      model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps + 1));
+    if (has_feed_forward(model)) received.input = accelerations(positions, start_slope(model), model.sample_period);
     return received;
   }
   positions = virtual_leader(model, steps);
@@ -50,6 +66,7 @@ MeanVehicle::Sequence filtered_impulse(const TransferFunction& filter, std::size
 
 LinkedResponses::LinkedResponses(const PlatoonModel& model, std::size_t followers, std::size_t steps)
     : model_(model), followers_(followers), steps_(steps), vehicles_(pattern(model)) {
+  if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
   for (const VehicleModel& vehicle : vehicles_) mean_vehicles_.emplace_back(vehicle);
 }
 

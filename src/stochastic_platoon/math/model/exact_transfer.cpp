@@ -1,10 +1,10 @@
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
+#include "stochastic_platoon/math/model/loop_design.hpp"
 #include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 
 namespace platoon {
@@ -89,11 +89,10 @@ ExactTransfer zero_order_hold(const Polynomial& numerator, const Polynomial& den
   for (Eigen::Index i = 0; i < numerator.size(); ++i)
     c(0, i) = Exact(numerator(numerator.size() - 1 - i)) / Exact(denominator(0));
 
-  const double periods = input_delay / sample_period, nearest = std::round(periods);
-  const bool whole = std::abs(periods - nearest) <= 8.0 * std::numeric_limits<double>::epsilon() * periods;
-  const double steps = whole ? nearest : std::floor(periods);
+  const SplitDelay delay = split_delay(input_delay, sample_period);
+  const bool whole = delay.fraction == 0.0;
   const Exact period = sample_period;
-  const Exact fraction = whole ? Exact(0) : Exact(input_delay) - Exact(steps) * period;  // [s]
+  const Exact fraction = whole ? Exact(0) : Exact(input_delay) - Exact(delay.steps) * period;  // [s]
   const Held late = held_for(a, b, period - fraction);
   const Held early = held_for(a, b, fraction);
   const auto ascending = [](ExactPolynomial p) {
@@ -102,7 +101,7 @@ ExactTransfer zero_order_hold(const Polynomial& numerator, const Polynomial& den
   };
   const ExactResolvent resolvent = exact_resolvent(late.phi * early.phi - ExactMatrix::Identity(n, n), c);  // in s
   ExactTransfer transfer{ascending(resolvent.numerator(late.gamma)), ascending(resolvent.denominator),
-                         static_cast<std::ptrdiff_t>(steps)};
+                         static_cast<std::ptrdiff_t>(delay.steps)};
   // Each pole at s = 0 of the continuous plant is one at z = 1 of the sampled plant, but for the 100th digit.
   for (Eigen::Index i = 0; i < n && denominator(n - i) == 0.0; ++i)
     transfer.denominator[static_cast<std::size_t>(i)] = 0;

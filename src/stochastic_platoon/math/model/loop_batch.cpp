@@ -69,8 +69,7 @@ void add_scaled(double value, const double* in, double offset, std::size_t size,
 
 namespace {
 
-std::vector<double> equilibrium_of(const StateSpace& system) {
-  const Eigen::VectorXd state = unit_equilibrium(system);
+std::vector<double> listed(const Eigen::VectorXd& state) {
   return {state.data(), state.data() + state.size()};
 }
 
@@ -83,7 +82,8 @@ std::vector<double> equilibrium_of(const StateSpace& system) {
 class ShiftRegisterBatch : public LoopBatch {
 public:
   explicit ShiftRegisterBatch(const StateSpace& system)
-      : LoopBatch(equilibrium_of(system), static_cast<std::size_t>(system.order())),
+      : LoopBatch(listed(unit_equilibrium(system)), listed(unit_ramp(system)),
+                  static_cast<std::size_t>(system.order())),
         a_(system.a().col(0)),
         b_(system.b()) {}
 
@@ -104,7 +104,11 @@ private:
 class MatrixBatch : public LoopBatch {
 public:
   explicit MatrixBatch(const StateSpace& system)
-      : LoopBatch(equilibrium_of(system), 1), a_(system.a()), b_(system.b()), c_(system.c()), next_(order() * kTile) {}
+      : LoopBatch(listed(unit_equilibrium(system)), listed(unit_ramp(system)), 1),
+        a_(system.a()),
+        b_(system.b()),
+        c_(system.c()),
+        next_(order() * kTile) {}
 
 private:
   void step_tile(double* state, std::size_t size, const double* input, double offset, double* positions,
@@ -139,16 +143,18 @@ bool is_shift_register(const StateSpace& system) {
 
 }  // namespace
 
-LoopBatch::LoopBatch(std::vector<double> equilibrium, std::size_t places)
-    : equilibrium_(std::move(equilibrium)), places_(places) {}
+LoopBatch::LoopBatch(std::vector<double> equilibrium, std::vector<double> ramp, std::size_t places)
+    : equilibrium_(std::move(equilibrium)), ramp_(std::move(ramp)), places_(places) {}
 
-void LoopBatch::start_at_equilibrium(const std::vector<double>& positions) {
+void LoopBatch::start(const std::vector<double>& positions, double slope) {
   size_ = positions.size();
   place_ = 0;
   state_.resize((size_ + kTile - 1) / kTile * order() * kTile);
   for (std::size_t r = 0; r < size_; ++r) {
     double* const state = &state_[r / kTile * order() * kTile + r % kTile];
     for (std::size_t j = 0; j < order(); ++j) state[j * kTile] = equilibrium_[j] * positions[r];
+    if (slope == 0.0) continue;
+    for (std::size_t j = 0; j < order(); ++j) state[j * kTile] += ramp_[j] * slope;
   }
 }
 

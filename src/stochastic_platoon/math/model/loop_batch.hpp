@@ -30,8 +30,8 @@ class LoopBatch {
 public:
   virtual ~LoopBatch() = default;
 
-  /// Equilibrium with y = p at these positions p [m].
-  void start_at_equilibrium(const std::vector<double>& positions);
+  /// Steady motion through y = p at these positions p [m], by `slope` per step [m]; 0: at rest.
+  void start(const std::vector<double>& positions, double slope);
 
   /// One step with the input [m] minus offset [m]; writes y [m]. All arrays have the size of the batch. Control inputs
   /// are for loops by parts only.
@@ -41,8 +41,8 @@ public:
   void output(std::vector<double>& positions) const;
 
 protected:
-  /// `equilibrium`: the states of y = 1 at rest. `places`: see place().
-  LoopBatch(std::vector<double> equilibrium, std::size_t places);
+  /// `equilibrium`: the states of y = 1 at rest. `ramp`: those of y(k) = k at k = 0. `places`: see place().
+  LoopBatch(std::vector<double> equilibrium, std::vector<double> ramp, std::size_t places);
 
   std::size_t order() const { return equilibrium_.size(); }
 
@@ -57,7 +57,7 @@ private:
 
   std::size_t tile_size(std::size_t first) const { return std::min(kTile, size_ - first); }
 
-  std::vector<double> equilibrium_;
+  std::vector<double> equilibrium_, ramp_;
   std::size_t places_, place_ = 0;
   std::size_t size_ = 0;  ///< realizations
   AlignedValues state_;   ///< tile by tile, state by state

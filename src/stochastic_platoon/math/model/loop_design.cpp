@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/model/loop_design.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
@@ -52,6 +53,20 @@ ContinuousPlant car_with_actuator_lag(double lag, double input_delay) {
   return {Polynomial::Ones(1), denominator, input_delay};
 }
 
+std::optional<double> actuator_lag(const ContinuousPlant& plant) {
+  const Polynomial &n = plant.numerator, &d = plant.denominator;
+  const Eigen::Index order = d.size() - 1;
+  const bool integrates_twice = (order == 2 || order == 3) && d(order) == 0.0 && d(order - 1) == 0.0;
+  if (!integrates_twice || n.size() != 1 || n(0) != d(order - 2) || !(d(0) / n(0) > 0.0)) return std::nullopt;
+  return order == 3 ? d(0) / n(0) : 0.0;
+}
+
+SplitDelay split_delay(double input_delay, double sample_period) {
+  const double periods = input_delay / sample_period, nearest = std::round(periods);
+  if (std::abs(periods - nearest) <= 8.0 * std::numeric_limits<double>::epsilon() * periods) return {nearest, 0.0};
+  return {std::floor(periods), std::fma(-std::floor(periods), sample_period, input_delay)};
+}
+
 Plant::Plant(const TransferFunction& sampled)
     : given_(sampled), exact_(std::make_shared<const ExactTransfer>(exact_transfer(sampled))) {}
 
@@ -86,8 +101,7 @@ Controller Controller::with_gain(double gain) const {
 }
 
 bool is_by_parts(const LoopDesign& design) {
-  return design.headway_filter || design.in_radio_string ||
-         std::holds_alternative<ContinuousPlant>(design.plant.given()) ||
+  return design.headway_filter || design.sends_input || std::holds_alternative<ContinuousPlant>(design.plant.given()) ||
          std::holds_alternative<ControllerGains>(design.controller.given());
 }
 

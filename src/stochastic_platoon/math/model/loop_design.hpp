@@ -29,6 +29,16 @@ struct ControllerGains {
   double ki = 0.0;  ///< [1/s^3]
 };
 
+/// The lag of such a car [s]; none for any other plant.
+std::optional<double> actuator_lag(const ContinuousPlant& plant);
+
+/// Number of whole sample periods in an input delay, and what is left [s]. A delay within 8 units in the last place of
+/// whole sample periods is taken as whole.
+struct SplitDelay {
+  double steps, fraction;
+};
+SplitDelay split_delay(double input_delay, double sample_period);
+
 /// The plant of a vehicle: G(z) as given, or the exact zero-order hold equivalent of G(s).
 ///
 /// An input delay of d + f sample periods, 0 <= f < 1, makes the held input change within the sample: G(z) = z^-d C (zI
@@ -82,13 +92,12 @@ struct LoopDesign {
   Plant plant;            ///< G(z)
   Controller controller;  ///< K(z), K(z) (1 + h) or K(z) H(z), see below
   bool divide_by_one_plus_headway = false;
-  bool headway_filter = false;   ///< the controller is divided by H(z) = (1 + h) - h / z
-  bool in_radio_string = false;  ///< vehicles of its string send control inputs
+  bool headway_filter = false;  ///< the controller is divided by H(z) = (1 + h) - h / z
+  bool sends_input = false;     ///< a radio of its string needs its control input, or its limits do
 };
 
 /// Whether the vehicle is computed part by part (LoopPartsBatch) instead of by the canonical form of T: the design has
-/// a continuous plant, gains or a headway filter, or its string has radios, which need the control input that the
-/// canonical form lacks.
+/// a continuous plant, gains or a headway filter, or something needs its control input, which the canonical form lacks.
 bool is_by_parts(const LoopDesign& design);
 
 }  // namespace platoon

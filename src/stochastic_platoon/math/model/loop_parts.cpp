@@ -1,18 +1,16 @@
 #include "stochastic_platoon/math/model/loop_parts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/model/loop_design.hpp"
+#include "stochastic_platoon/math/model/part_lanes.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 
 namespace {
-
-constexpr std::size_t kPartLanes = 32;  // realizations per pass
 
 /// The canonical form of n / d, both multiplied by powers of z = 1 + s so that n / d alone is the fraction.
 template <class Scalar>
@@ -71,6 +69,22 @@ std::vector<Scalar> unit_equilibrium(const BasicLoopParts<Scalar>& parts) {
   return state;
 }
 
+// With rates x_j(k+1) - x_j(k) = rest_j, those of y = k at rest: x_{j+1} = rest_j + a_j y - b_j u, and e = 0.
+std::vector<double> unit_ramp(const LoopParts& parts) {
+  const std::vector<double> rest = unit_equilibrium(parts);
+  const std::size_t n = parts.plant.order(), m = parts.controller.order(), inputs = n + m + 1;
+  const double rate = inputs < rest.size() ? rest.back() : 0.0;                       // of u
+  double u = parts.plant.b.back() == 0.0 ? 0.0 : rest[n - 1] / parts.plant.b.back();  // of the plant, at y = 0
+  std::vector<double> state(rest.size(), 0.0);
+  for (std::size_t j = 0; j + 1 < n; ++j) state[j + 1] = rest[j] - parts.plant.b[j] * u;
+  u += rate * static_cast<double>(parts.delay);
+  if (m > 0) state[n] = parts.headway_filter ? u + parts.headway * rate : u;
+  for (std::size_t j = 0; j + 1 < m; ++j) state[n + j + 1] = rest[n + j] + parts.controller.a[j] * state[n];
+  state[n + m] = -1.0;
+  for (std::size_t j = inputs; j < state.size(); ++j) state[j] = u - rate * static_cast<double>(j - inputs + 1);
+  return state;
+}
+
 template <class Scalar>
 BasicLoopParts<Scalar> loop_parts(const LoopDesign& design, double headway) {
   const auto size = [](const ExactPolynomial& p) { return static_cast<std::ptrdiff_t>(p.size()); };
@@ -119,74 +133,22 @@ StateSpace realization(const LoopParts& parts) {
 
 namespace detail {
 
-// x_j += x_{j+1} - a_j y + b_j u, state by state.
-PLATOON_INLINE void advance_filter(const BasicDeltaFilter<double>& part, std::size_t lanes, const double* y,
-                                   const double* u, double* state) {
-  const std::size_t order = part.order();
-  for (std::size_t j = 0; j < order; ++j) {
-    const double a = part.a[j], b = part.b[j];
-    double* const x = state + j * kTile;
-    if (j + 1 == order) {
-      for (std::size_t r = 0; r < lanes; ++r) x[r] = x[r] + (0.0 - a * y[r] + b * u[r]);
-    } else if (a == 0.0 && b == 0.0) {
-      for (std::size_t r = 0; r < lanes; ++r) x[r] = x[r] + x[r + kTile];
-    } else {
-      for (std::size_t r = 0; r < lanes; ++r) x[r] = x[r] + (x[r + kTile] - a * y[r] + b * u[r]);
-    }
-  }
-}
-
-PLATOON_INLINE void parts_lanes(const LoopParts& parts, std::size_t place, std::size_t lanes, double* state,
-                                const double* input, double offset, double* positions, const ControlInputs& control) {
-  std::array<double, kPartLanes> y, e, u, first;
-  double* const controller = state + parts.plant.order() * kTile;
-  double* const before = controller + parts.controller.order() * kTile;
-  double* const inputs = before + kTile;  // with a headway filter and no delay, u(k-1) alone
-  for (std::size_t r = 0; r < lanes; ++r) {
-    y[r] = state[r];
-    e[r] = input[r] - offset - y[r] - parts.headway * (y[r] - before[r]);
-    before[r] = y[r];
-  }
-  for (std::size_t r = 0; r < lanes; ++r) first[r] = parts.controller.order() > 0 ? controller[r] : 0.0;
-  for (std::size_t r = 0; r < lanes; ++r) u[r] = parts.controller.direct * e[r] + first[r];
-  advance_filter(parts.controller, lanes, first.data(), e.data(), controller);
-  if (control.heard != nullptr) {
-    for (std::size_t r = 0; r < lanes; ++r) u[r] = u[r] + control.gain * control.heard[r];
-  }
-  if (parts.headway_filter) {
-    const std::size_t last = parts.delay > 1 ? (place + parts.delay - 1) % parts.delay : 0;
-    const double* const x = inputs + last * kTile;
-    const double divisor = 1.0 + parts.headway;
-    for (std::size_t r = 0; r < lanes; ++r) u[r] = x[r] + (u[r] - x[r]) / divisor;
-  }
-  if (control.own != nullptr) {
-    for (std::size_t r = 0; r < lanes; ++r) control.own[r] = u[r];
-  }
-  if (parts.delay > 0 || parts.headway_filter) {
-    double* const x = inputs + place * kTile;
-    for (std::size_t r = 0; r < lanes; ++r) {
-      const double delayed = parts.delay > 0 ? x[r] : u[r];
-      x[r] = u[r];
-      u[r] = delayed;
-    }
-  }
-  advance_filter(parts.plant, lanes, y.data(), u.data(), state);
-  for (std::size_t r = 0; r < lanes; ++r) positions[r] = state[r];
-}
-
 PLATOON_VECTOR_CLONES
 void parts_tile(const LoopParts& parts, std::size_t place, std::size_t size, double* state, const double* input,
                 double offset, double* positions, const ControlInputs& control) {
-  std::size_t r = 0;
-  for (; r + kPartLanes <= size; r += kPartLanes)
-    parts_lanes(parts, place, kPartLanes, state + r, input + r, offset, positions + r, control.from(r));
-  parts_lanes(parts, place, size - r, state + r, input + r, offset, positions + r, control.from(r));
+  step_lanes(parts, FilteredPlant{parts.plant}, Unlimited(), place, size, state, input, offset, positions, control);
 }
 
 }  // namespace detail
 
+std::vector<double> in_ring_order(const LoopParts& parts, std::vector<double> state) {
+  std::reverse(state.end() - static_cast<std::ptrdiff_t>(parts.delay), state.end());
+  return state;
+}
+
 LoopPartsBatch::LoopPartsBatch(const LoopParts& parts)
-    : LoopBatch(unit_equilibrium(parts), std::max<std::size_t>(parts.delay, 1)), parts_(parts) {}
+    : LoopBatch(unit_equilibrium(parts), in_ring_order(parts, unit_ramp(parts)), std::max<std::size_t>(parts.delay, 1)),
+      parts_(parts) {}
 
 void LoopPartsBatch::step_tile(double* state, std::size_t size, const double* input, double offset, double* positions,
                                const ControlInputs& control) {

@@ -59,6 +59,12 @@ Scalar advance(const BasicLoopParts<Scalar>& parts, std::vector<Scalar>& state, 
 template <class Scalar>
 std::vector<Scalar> unit_equilibrium(const BasicLoopParts<Scalar>& parts);
 
+/// States of y(k) = k in steady motion, at k = 0.
+std::vector<double> unit_ramp(const LoopParts& parts);
+
+/// States with u(k - delay) first among the delayed inputs, as batches keep them.
+std::vector<double> in_ring_order(const LoopParts& parts, std::vector<double> state);
+
 /// A, B and C of the same loop.
 StateSpace realization(const LoopParts& parts);
 

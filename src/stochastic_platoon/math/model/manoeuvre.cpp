@@ -55,20 +55,28 @@ void Manoeuvre::cruise() {
   if (kind_ != Kind::none) kind_ = Kind::back;
 }
 
+// Within reach of the present speed, which a drive may have taken beyond the limits.
+double Manoeuvre::limited(double speed) const {
+  if (limits_.speed) speed = std::clamp(speed, limits_.speed->lower, limits_.speed->upper);
+  if (!limits_.input) return speed;
+  return speed_ +
+         std::clamp(speed - speed_, limits_.input->lower * sample_period_, limits_.input->upper * sample_period_);
+}
+
 double Manoeuvre::next_speed(double profile) {
   switch (kind_) {
     case Kind::none:
       speed_ = profile;
       break;
     case Kind::approach:
-      speed_ = moved(speed_, target_, acceleration_ * sample_period_);
+      speed_ = limited(moved(speed_, target_, acceleration_ * sample_period_));
       break;
     case Kind::swing:
       step_ = (step_ + 1) % kPeriod;
-      speed_ = target_ + kAmplitude * std::sin(2.0 * pi * static_cast<double>(step_) / kPeriod);
+      speed_ = limited(target_ + kAmplitude * std::sin(2.0 * pi * static_cast<double>(step_) / kPeriod));
       break;
     case Kind::back:
-      speed_ = moved(speed_, profile, kAcceleration * sample_period_);
+      speed_ = limited(moved(speed_, profile, kAcceleration * sample_period_));
       if (speed_ == profile) kind_ = Kind::none;
       break;
   }

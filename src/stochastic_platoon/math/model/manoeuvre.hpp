@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "stochastic_platoon/math/model/vehicle_limits.hpp"
+
 namespace platoon {
 
 /// A manual manoeuvre of the virtual leader: a speed v(k) that replaces the profile's, r_0(k+1) = r_0(k) + T_s v(k). A
@@ -15,8 +17,9 @@ public:
   static constexpr std::int64_t kPeriod = 10;     ///< [steps], at which the paper's string amplifies most for h = 2.4
   static constexpr double kLargestSpeed = 1e3;    ///< [m/s]
 
-  /// T_s > 0 [s].
-  explicit Manoeuvre(double sample_period) : sample_period_(sample_period) {}
+  /// T_s > 0 [s]. Speeds and their changes remain within the limits.
+  explicit Manoeuvre(double sample_period, const VehicleLimits& limits = {})
+      : sample_period_(sample_period), limits_(limits) {}
 
   /// Drives at this speed [m/s] from the next step on. Throws std::invalid_argument unless it is finite and its
   /// magnitude is at most kLargestSpeed.
@@ -43,7 +46,10 @@ private:
   enum class Kind { none, approach, swing, back };
   void approach(double target, double acceleration);
 
+  double limited(double speed) const;
+
   double sample_period_;
+  VehicleLimits limits_;
   Kind kind_ = Kind::none;
   double speed_ = 0.0;         ///< [m/s], of the previous step
   double target_ = 0.0;        ///< [m/s], to approach, or mean of the sinusoid

@@ -121,7 +121,8 @@ bool is_homogeneous(const PlatoonModel& model) {
 }
 
 bool is_papers(const PlatoonModel& model) {
-  return is_homogeneous(model) && !has_feed_forward(model) && model.default_vehicle().link.is_white_noise_only();
+  return is_homogeneous(model) && !has_feed_forward(model) && !has_limits(model) &&
+         model.default_vehicle().link.is_white_noise_only();
 }
 
 bool has_feed_forward(const PlatoonModel& model) {
@@ -139,23 +140,62 @@ bool depends_on_gap(const PlatoonModel& model) {
 }
 
 bool has_normal_errors(const PlatoonModel& model) {
-  return !any_link(model, [](const LinkModel& link) { return link.loses() || link.quantisation_step > 0.0; });
+  return !has_limits(model) &&
+         !any_link(model, [](const LinkModel& link) { return link.loses() || link.quantisation_step > 0.0; });
 }
 
 std::string duration(std::int64_t steps, const PlatoonModel& model) {
   return formatted("%.6g s", static_cast<double>(steps) * model.sample_period);
 }
 
-double place_in_formation(const PlatoonModel& model, std::size_t follower) {
-  if (is_homogeneous(model)) return -static_cast<double>(follower) * model.default_vehicle().standstill_distance;
-  const auto distance_up_to = [&model](std::size_t last) {
-    double distance = 0.0;
-    for (std::size_t i = 1; i <= last; ++i) distance += vehicle(model, i).standstill_distance;
-    return distance;
+bool has_limits(const PlatoonModel& model) {
+  return std::any_of(model.types.begin(), model.types.end(),
+                     [](const VehicleType& type) { return type.vehicle.limits.any(); });
+}
+
+bool moves_leader(const PlatoonModel& model) {
+  return !model.recorded_leader.empty() || has_limits(model);
+}
+
+bool starts_steady(const PlatoonModel& model) {
+  return model.start ? *model.start == Start::steady : has_limits(model);
+}
+
+double start_slope(const PlatoonModel& model) {
+  const std::vector<double>& recorded = model.recorded_leader;
+  if (!starts_steady(model) || recorded.size() == 1) return 0.0;
+  return recorded.empty() ? model.sample_period * model.leader.speed(0) : recorded[1] - recorded[0];
+}
+
+namespace {
+
+// Minus the sum of the distances of followers 1 .. follower, each to its predecessor.
+template <class Distance>
+double place_of(const PlatoonModel& model, std::size_t follower, const Distance& distance) {
+  if (is_homogeneous(model)) return -static_cast<double>(follower) * distance(model.default_vehicle());
+  const auto distance_up_to = [&](std::size_t last) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i <= last; ++i) sum += distance(vehicle(model, i));
+    return sum;
   };
   const std::size_t length = model.string.size();
   const std::size_t patterns = follower / length;
   return -(static_cast<double>(patterns) * distance_up_to(length) + distance_up_to(follower % length));
+}
+
+}  // namespace
+
+double start_place(const PlatoonModel& model, std::size_t follower) {
+  const double slope = start_slope(model), place = place_in_formation(model, follower);
+  if (!starts_steady(model)) return place;
+  const double leader = model.recorded_leader.empty() ? 0.0 - slope : model.recorded_leader.front();
+  return leader + place + slope * place_of(model, follower, [](const VehicleModel& own) {
+                            return own.headway + static_cast<double>(own.link.delay);
+                          });
+}
+
+double place_in_formation(const PlatoonModel& model, std::size_t follower) {
+  return place_of(model, follower, [](const VehicleModel& own) { return own.standstill_distance; });
 }
 
 }  // namespace platoon

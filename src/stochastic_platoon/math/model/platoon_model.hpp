@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/model/closed_loop.hpp"
 #include "stochastic_platoon/math/model/leader_profile.hpp"
 #include "stochastic_platoon/math/model/link_model.hpp"
+#include "stochastic_platoon/math/model/vehicle_limits.hpp"
 
 namespace platoon {
 
@@ -43,6 +44,7 @@ struct VehicleModel {
   LinkModel link = {};
   std::optional<FeedForward> feed_forward = {};  ///< none: the vehicle has no radio
   double length = 0.0;                           ///< >= 0 [m]; y is the position of the front
+  VehicleLimits limits = {};                     ///< of vehicles with a design only
 };
 
 /// Parameters that a vehicle type takes from the default vehicle, including later changes of them.
@@ -59,6 +61,12 @@ struct VehicleType {
   std::string name;
   VehicleModel vehicle;
   Inherited inherited = {};
+};
+
+/// How the platoon begins at step -1.
+enum class Start {
+  rest,   ///< every vehicle stands at its place
+  steady  ///< all states, registers and delay lines as behind a leader that has always driven at its first speed
 };
 
 /// Everything the mathematics of a platoon needs (paper, section 3): the contents of the model file. The platoon is
@@ -82,6 +90,7 @@ struct PlatoonModel {
   std::vector<double> recorded_leader;
   bool allow_unstable = false;          ///< whether rho(A) >= 1 is accepted
   std::optional<double> safe_gap = {};  ///< >= 0 [m]: realizations with a smaller gap are counted
+  std::optional<Start> start = {};      ///< none: steady if a vehicle has limits, else at rest
 
   const VehicleModel& default_vehicle() const { return types.front().vehicle; }
   VehicleModel& default_vehicle() { return types.front().vehicle; }
@@ -133,8 +142,25 @@ bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t foll
 /// Whether the losses of a link of the string depend on the gap.
 bool depends_on_gap(const PlatoonModel& model);
 
-/// Whether all errors are normal, which losses and quantisation prevent.
+/// Whether all errors are normal, which losses, quantisation and limits prevent.
 bool has_normal_errors(const PlatoonModel& model);
+
+/// Whether a vehicle type has limits. Then vehicle 0 is moved exactly.
+bool has_limits(const PlatoonModel& model);
+
+/// Whether vehicle 0 is moved along given positions: its drive was recorded, or a vehicle has limits. Otherwise it
+/// follows a virtual leader through its closed loop.
+bool moves_leader(const PlatoonModel& model);
+
+/// Whether the platoon starts in steady motion.
+bool starts_steady(const PlatoonModel& model);
+
+/// Displacement of all vehicles per step before step -1: y_0(0) - y_0(-1) = V T_s for a steady start, 0 at rest [m].
+double start_slope(const PlatoonModel& model);
+
+/// Mean position of follower i at step -1, without the mean of its InitialPosition: its place in formation, and behind
+/// it in steady motion by the headways and the delays of the links up to it [m].
+double start_place(const PlatoonModel& model, std::size_t follower);
 
 /// Duration of a number of steps, with its unit: "9.9 s".
 std::string duration(std::int64_t steps, const PlatoonModel& model);

@@ -68,12 +68,19 @@ void Signal::operator()(const double* predecessor, const Own<const double*>& own
 SignalPositions SignalPositions::from(std::size_t realization) const {
   SignalPositions rest{predecessor + realization, own, count - realization};
   for (const double*& positions : rest.own) positions = positions == nullptr ? nullptr : positions + realization;
+  if (input != nullptr) rest.input = input + realization;
   return rest;
+}
+
+void SignalPositions::form(const Signal& signal, double* values) const {
+  if (!signal.is_input) return signal(predecessor, own, count, values);
+  if (input == nullptr) throw std::logic_error("the control input is not measured");
+  std::copy_n(input, count, values);
 }
 
 std::vector<double> SignalPositions::of(const Signal& signal) const {
   std::vector<double> values(count);
-  signal(predecessor, own, count, values.data());
+  form(signal, values.data());
   return values;
 }
 
@@ -96,13 +103,18 @@ Signal derivative(const PlatoonModel& model, std::size_t) {
   return {false, 0.0, kOrder, factor};
 }
 
+Signal control_input(const PlatoonModel&, std::size_t) {
+  return {false, 0.0, 0, 0.0, true};
+}
+
 }  // namespace
 
 const std::vector<SignalKind>& signal_kinds() {
   static const std::vector<SignalKind> kinds{{kGap, "m", gap},
                                              {"speed", "m/s", derivative<1>},
                                              {"acceleration", "m/s^2", derivative<2>},
-                                             {"jerk", "m/s^3", derivative<3>}};
+                                             {"jerk", "m/s^3", derivative<3>},
+                                             {kInput, "m/s^2", control_input}};
   return kinds;
 }
 
@@ -116,6 +128,11 @@ const SignalKind& kind_of(const std::string& name) {
 }
 
 }  // namespace
+
+bool measures_input(const PlatoonModel& model, const std::vector<std::string>& signals, std::size_t follower) {
+  const VehicleModel& own = vehicle(model, follower);
+  return own.loop.parts && (own.limits.input || std::find(signals.begin(), signals.end(), kInput) != signals.end());
+}
 
 const char* unit_of(const std::string& name) {
   return kind_of(name).unit;

@@ -10,15 +10,23 @@
 
 namespace platoon {
 
+/// A position `steps` steps before step -1, where it is `first` and grows by `slope` per step (start_slope()) [m].
+inline double position_before(double first, std::size_t steps, double slope) {
+  return steps == 0 || slope == 0.0 ? first : first - static_cast<double>(steps) * slope;
+}
+
 /// A quantity of follower i that is linear in its position y_i and in that of its predecessor, with the backward
-/// difference D y(k) = y(k) - y(k-1) and y_i(k) = y_i(-1) for k < -1:
+/// difference D y(k) = y(k) - y(k-1) and y_i(k) = position_before() for k < -1:
 ///
-///     s_i(k) = [y_{i-1}(k) - y_i(k) - offset] + factor D^order y_i(k),   the bracket only if the signal is relative.
+///     s_i(k) = [y_{i-1}(k) - y_i(k) - offset] + factor D^order y_i(k),   the bracket only if the signal is relative;
+///
+/// or the control input u_i(k-1), which leads to y_i(k).
 struct Signal {
   bool relative;
   double offset;  ///< [m]
   int order;      ///< 0 (no such term) to kHighestOrder
   double factor;
+  bool is_input = false;  ///< the control input; all other members are 0
 
   static constexpr int kHighestOrder = 3;
 
@@ -37,10 +45,13 @@ struct SignalPositions {
   const double* predecessor;       ///< y_{i-1}(k)
   Signal::Own<const double*> own;  ///< y_i(k), y_i(k-1), ...; null for steps that no signal needs
   std::size_t count;               ///< realizations
+  const double* input = nullptr;   ///< u_i(k-1) [m/s^2]; null unless measures_input()
 
   /// The same from this realization on.
   SignalPositions from(std::size_t realization) const;
 
+  /// The values of a signal.
+  void form(const Signal& signal, double* values) const;
   std::vector<double> of(const Signal& signal) const;
 };
 
@@ -58,7 +69,14 @@ struct SignalKind {
 /// Name of the signal g_i(k) = y_{i-1}(k) - y_i(k) - (length of vehicle i-1), whose smallest values are collected too.
 constexpr char kGap[] = "gap";
 
-/// All signals on request: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3.
+/// Name of the control input that leads to the position of a step, u_i(k-1), of vehicles computed part by part.
+constexpr char kInput[] = "input";
+
+/// Whether a run with these signals measures the control input of a follower: on request, or because it is limited.
+bool measures_input(const PlatoonModel& model, const std::vector<std::string>& signals, std::size_t follower);
+
+/// All signals on request: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3, and
+/// the control input [m/s^2].
 const std::vector<SignalKind>& signal_kinds();
 
 /// The unit of the signal of this name. Throws std::invalid_argument for an unknown name.
@@ -68,7 +86,7 @@ const char* unit_of(const std::string& name);
 /// std::invalid_argument unless each is a signal and given once.
 std::vector<std::string> signal_names(const std::string& text);
 
-/// The allowed names, for messages: "gap, speed, acceleration, jerk".
+/// The allowed names, for messages: "gap, speed, acceleration, jerk, input".
 std::string all_signal_names();
 
 /// The signals of one follower that a run computes.

@@ -42,6 +42,15 @@ Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
   return state / output;
 }
 
+// x(k) = r + k q: q is the equilibrium, and (I - A) r + q = B l with C r = 0.
+Eigen::VectorXd unit_ramp(const StateSpace& system) {
+  const Eigen::VectorXd rest = unit_equilibrium(system);
+  const Eigen::Index n = system.order();
+  const Eigen::VectorXd lagging =
+      Eigen::FullPivLU<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(n, n) - system.a()).solve(rest);
+  return rest * (system.c() * lagging).value() - lagging;
+}
+
 StateSpace observable_canonical(const TransferFunction& transfer) {
   if (!transfer.is_strictly_proper() || transfer.denominator().size() < 2) {
     throw std::invalid_argument("relative degree " + std::to_string(transfer.relative_degree()) +

@@ -37,6 +37,10 @@ double spectral_radius(const StateSpace& system);
 /// shape n x 1. Throws std::invalid_argument if there is none: I - A is singular (a mode at z = 1) or T(1) = 0.
 Eigen::VectorXd unit_equilibrium(const StateSpace& system);
 
+/// Steady motion with output k: the state x(0) of x(k+1) = A x(k) + B u(k), C x(k) = k for the input u(k) = k + l, with
+/// the lag l of the loop, shape n x 1. For a loop with T(1) = 1. Throws std::invalid_argument as unit_equilibrium().
+Eigen::VectorXd unit_ramp(const StateSpace& system);
+
 /// Observable canonical realization of a strictly proper fraction: C = [1 0 ... 0]. Minimal if the fraction is in
 /// lowest terms. Throws std::invalid_argument if the fraction is not strictly proper.
 StateSpace observable_canonical(const TransferFunction& transfer);

@@ -12,8 +12,8 @@
 
 namespace platoon {
 
-/// Vehicle i >= 1. Starts at its place in formation + p_i, with p_i ~ N(mean, variance) drawn at step -1. Its input is
-/// the received position of its predecessor minus delta.
+/// Vehicle i >= 1. Starts at its start_place() + p_i, with p_i ~ N(mean, variance) drawn at step -1. Its input is the
+/// received position of its predecessor minus delta.
 class FollowerVehicle {
 public:
   /// Throws std::invalid_argument unless the variance of the initial positions is finite and >= 0.
@@ -37,14 +37,16 @@ private:
   std::unique_ptr<LoopBatch> loop_;
   WhiteNoise noise_;
   double initial_place_ = 0.0;      ///< mean [m]
+  double slope_ = 0.0;              ///< start_slope() [m]
   double initial_deviation_ = 0.0;  ///< [m]
   double standstill_distance_ = 0.0;
   double feed_forward_gain_ = 0.0;  ///< F; 0 without a radio
   std::uint32_t index_;
 };
 
-/// Vehicle 0: the same closed loop, in equilibrium at 0 and driven noise-free by the virtual leader r_0, or its
-/// recorded positions if the model has them. One realization serves for all, as vehicle 0 has no random input.
+/// Vehicle 0: the same closed loop, in equilibrium at 0 and driven noise-free by the virtual leader r_0; or r_0 itself
+/// if the model moves_leader(), or its recorded positions. At step -1 it moves by start_slope() per step and y_0(0) = 0
+/// in steady motion. One realization serves for all, as vehicle 0 has no random input.
 class LeaderVehicle {
 public:
   explicit LeaderVehicle(const PlatoonModel& model);
@@ -55,21 +57,26 @@ public:
   /// y_0 of the next step [m]. Throws std::out_of_range beyond the end of a recording.
   double step();
 
-  /// The input u_0 that led to the position of the latest step() [m/s^2]; 0 at step -1. Vehicles by parts only.
+  /// The input u_0 that led to the position of the latest step() [m/s^2]; 0 at step -1. Of vehicles by parts, and of a
+  /// moved leader: the second difference of its positions over T_s^2.
   double input() const { return control_; }
 
   /// Manoeuvre of the virtual leader that replaces its profile until the next start().
   Manoeuvre& manoeuvre() { return manoeuvre_; }
 
 private:
-  std::unique_ptr<LoopBatch> loop_;
+  double virtual_leader() const;
+
+  std::unique_ptr<LoopBatch> loop_;  ///< null: moved
   LeaderProfile profile_;
   double sample_period_;  ///< T_s [s]
   Manoeuvre manoeuvre_;
+  double slope_, lag_;            ///< start_slope(), and that of the closed loop behind r_0 in steady motion [m]
   double departure_ = 0.0;        ///< departure of r_0 from its profile due to manoeuvres [m]
-  std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: computed by the loop
+  std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: not recorded
   std::int64_t step_ = -1;
   std::vector<double> buffer_;
+  double moved_ = 0.0;    ///< by the latest step [m]
   double control_ = 0.0;  ///< u_0(k-1) [m/s^2]
 };
 

@@ -42,7 +42,7 @@ DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed
       ahead_delay_(before.exact().delay + design.controller.exact().delay),
       controller_delay_(design.controller.exact().delay),
       filtered_(design.headway_filter),
-      sends_(design.in_radio_string),
+      sends_(design.sends_input),
       headway_(headway),
       feed_forward_(feed_forward) {
   const ExactTransfer &plant = design.plant.exact(), &ahead = before.exact(), &controller = design.controller.exact();

@@ -7,7 +7,7 @@ namespace platoon {
 
 VehicleResponse::VehicleResponse(const VehicleModel& vehicle) {
   if (vehicle.feed_forward) feed_forward_ = vehicle.feed_forward->gain;
-  if (vehicle.design && vehicle.design->in_radio_string) {
+  if (vehicle.design && vehicle.design->sends_input) {
     parts_ = loop_parts<long double>(*vehicle.design, vehicle.headway);
   } else {
     loop_.emplace(vehicle.loop);

@@ -5,14 +5,17 @@
 namespace platoon {
 
 PlatoonString::PlatoonString(const PlatoonModel& model, const WhiteNoise& noise, std::size_t followers,
-                             std::size_t before)
+                             std::size_t before, const std::vector<std::string>& signals)
     : leader_(model),
+      slope_(start_slope(model)),
       before_(std::max(before, depends_on_gap(model) ? std::size_t{2} : std::size_t{1})),
       predecessor_(kStepsAtOnce + before_),
       own_(kStepsAtOnce + before_),
       predecessor_inputs_(kStepsAtOnce + 1),
       own_inputs_(kStepsAtOnce + 1) {
+  measured_.push_back(false);
   for (std::uint32_t i = 1; i <= followers; ++i) {
+    measured_.push_back(measures_input(model, signals, i));
     followers_.emplace_back(model, noise, i);
     links_.emplace_back(model, noise, i);
     radios_.emplace_back();
@@ -24,10 +27,10 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
   received_.resize(count);
   for (AlignedValues& positions : predecessor_) positions.resize(count);
   for (AlignedValues& positions : own_) positions.resize(count);
-  const auto sends = [this](std::size_t i) { return i < radios_.size() && radios_[i].has_value(); };
+  const auto sends = [this](std::size_t i) { return measured_[i] || (i < radios_.size() && radios_[i].has_value()); };
   latest_.resize(followers_.size() + 1);
   latest_inputs_.assign(latest_.size(), {});
-  for (std::size_t i = 0; i < radios_.size(); ++i) {
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
     if (!sends(i)) continue;
     heard_.resize(count);
     latest_inputs_[i].assign(count, 0.0);
@@ -39,6 +42,9 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
     std::vector<double> start(count, leader_.start());
     if (i > 0) followers_[i - 1].start(first, count, start);
     latest_[i].assign(before_, AlignedValues(start.begin(), start.end()));
+    for (std::size_t b = 0; slope_ != 0.0 && b + 1 < before_; ++b) {
+      for (double& position : latest_[i][b]) position = position_before(position, before_ - 1 - b, slope_);
+    }
   }
   for (std::int64_t from = 0; from < steps; from += kStepsAtOnce) {
     const auto here = static_cast<std::size_t>(std::min(kStepsAtOnce, steps - from));
@@ -74,6 +80,7 @@ void PlatoonString::run(std::uint64_t first, std::size_t count, std::int64_t ste
                                sends(i) ? own_inputs_[j].data() : nullptr);
         SignalPositions positions{predecessor_[at].data(), {}, count};
         for (std::size_t b = 0; b <= before_; ++b) positions.own[b] = own_[at - b].data();
+        if (measured_[i]) positions.input = own_inputs_[j].data();
         sink(i, k, positions);
       }
       end(i);

@@ -11,6 +11,7 @@ void EnsembleStatistics::add(const ReducedSignals& signals) {
   BatchTotals& batch = open_.try_emplace(first, first, signals.count, cells_).first->second;
   for (std::size_t kind = 0; kind < signals.nodes.size(); ++kind)
     batch.moments.set(cells_.at(kind, signals.follower, signals.step), signals.nodes[kind]);
+  if (!cells_.limits.empty()) batch.limits.add(signals.follower, signals.at_limits);
   if (!signals.gaps.empty()) batch.gaps.add(signals.follower, signals.step, signals.gaps.data());
 }
 

@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/statistics/batch_moments.hpp"
+#include "stochastic_platoon/math/statistics/limit_table.hpp"
 #include "stochastic_platoon/math/statistics/moment_table.hpp"
 #include "stochastic_platoon/math/statistics/signal_reduction.hpp"
 #include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
@@ -27,6 +28,7 @@ struct SignalCells {
   std::vector<std::string> signals = {};  ///< names: see signal_kinds()
   GapCounting gaps = {};                  ///< without followers if the gap is not among the signals
   KeptMoments kept = KeptMoments::two;
+  std::vector<CountedLimits> limits = {};  ///< per follower; empty without limits
 
   std::size_t kinds() const { return 1 + signals.size(); }                                 ///< with the errors
   std::size_t of_one_kind() const { return followers * static_cast<std::size_t>(steps); }  ///< cells
@@ -53,6 +55,7 @@ public:
 
   BatchMoments moments;
   BatchGaps gaps;
+  LimitTable limits;
 
 private:
   const SignalCells& cells_;
@@ -64,13 +67,15 @@ private:
 /// All statistics over a set of realizations, as a pure function of that set.
 class EnsembleTotals {
 public:
-  explicit EnsembleTotals(const SignalCells& cells) : moments(cells.count()), gaps(cells.gaps) {}
+  explicit EnsembleTotals(const SignalCells& cells)
+      : moments(cells.count()), gaps(cells.gaps), limits(cells.limits.size()) {}
   /// Totals of moments alone, without gaps.
   explicit EnsembleTotals(MomentTable of) : moments(std::move(of)) {}
   EnsembleTotals() : moments(0) {}
 
   MomentTable moments;
   GapTable gaps;
+  LimitTable limits;
 
   std::uint64_t count() const { return moments.count(); }
 

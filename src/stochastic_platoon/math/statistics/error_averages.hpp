@@ -17,6 +17,7 @@ struct ReducedSignals {
   std::size_t count;                           ///< realizations in the batch
   std::vector<std::vector<MomentNode>> nodes;  ///< reduce_batch() of the tracking errors, then of each signal
   std::vector<double> gaps = {};               ///< [m], one per realization; empty if the gap is not among the signals
+  AtLimits at_limits = {};
 };
 
 /// Mean and variance of every tracking error of a run, over realizations or over time, and over realizations of the

@@ -160,8 +160,9 @@ bool is_tracking_error(const Signal& signal) {
 
 void form(const Signal& signal, const SignalPositions& positions, std::size_t offset, std::size_t count,
           double* values) {
-  const SignalPositions rest = positions.from(offset);
-  signal(rest.predecessor, rest.own, count, values);
+  SignalPositions rest = positions.from(offset);
+  rest.count = count;
+  rest.form(signal, values);
 }
 
 MomentNode joined_nodes(const MomentNode& left, const MomentNode& right, double half_count) {

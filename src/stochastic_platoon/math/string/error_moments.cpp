@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
 
@@ -139,6 +140,15 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
 }
 
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
+  if (start_slope(model) != 0.0) {
+    ErrorMoments moments = error_moments(in_moving_frame(model), followers, steps);
+    for (std::size_t c = 0; c < moments.mean.size(); ++c) {
+      const std::size_t follower = c / static_cast<std::size_t>(steps) + 1;
+      moments.mean[c] += steady_value(model, tracking_error(model, follower), follower);
+    }
+    return moments;
+  }
   if (has_bursts(model)) return chain_error_moments(model, followers, steps);
   const ClosedLoop& loop = model.default_vehicle().loop;
   const bool in_double = is_papers(model) && model.recorded_leader.empty() && has_digits_in_double(loop);

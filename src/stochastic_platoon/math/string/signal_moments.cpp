@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/links/mean_vehicle.hpp"
+#include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 
@@ -15,8 +16,10 @@ namespace {
 
 using Sequence = MeanVehicle::Sequence;
 
-/// y_{i-1} - y_i (of relative signals only) plus factor D^order y_i; from step -1 on, without offsets.
-Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Sequence& own) {
+/// y_{i-1} - y_i (of relative signals only) plus factor D^order y_i, or the input; from step -1 on, without offsets.
+Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Motion& motion) {
+  if (signal.is_input) return motion.input;
+  const Sequence& own = motion.position;
   Sequence values(own.size(), 0.0L);
   check_interruption();
   if (signal.order > 0) {
@@ -72,7 +75,7 @@ public:
       for (std::size_t s = 0; s < moments_.size(); ++s) {
         const Signal& signal = signals_[i][s];
         const double apart = signal.relative ? responses_.model(i).standstill_distance - signal.offset : 0.0;
-        const Sequence values = signal_values(signal, predecessor, passed.own.position);
+        const Sequence values = signal_values(signal, predecessor, passed.own);
         for (std::size_t a = 1; a < values.size(); ++a)
           moments_[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));
       }
@@ -105,7 +108,7 @@ private:
     const auto add = [&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
       std::vector<Share>& before = sums[i % period];
       for (std::size_t s = 0; s < moments_.size(); ++s) {
-        const Share share(signal_values(signals_[i][s], predecessor, passed.own.position), is_noise);
+        const Share share(signal_values(signals_[i][s], predecessor, passed.own), is_noise);
         if (before.size() == s) {
           before.push_back(share);
         } else {
@@ -139,7 +142,21 @@ std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for signal_moments()");
   for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
-  return SignalTables(model, names, followers, static_cast<std::size_t>(steps))();
+  const bool moves = start_slope(model) != 0.0, has_input = std::count(names.begin(), names.end(), kInput) > 0;
+  PlatoonModel computed = moves ? in_moving_frame(model) : model;
+  for (VehicleType& type : computed.types) {
+    if (!has_input) break;
+    if (!type.vehicle.loop.parts) throw std::invalid_argument("signal input: must be of vehicles by parts");
+    type.vehicle.design->sends_input = true;
+  }
+  std::vector<SignalMoments> found = SignalTables(computed, names, followers, static_cast<std::size_t>(steps))();
+  for (std::size_t s = 0; moves && s < names.size(); ++s) {
+    for (std::size_t c = 0; c < found[s].mean.size(); ++c) {
+      const std::size_t follower = c / static_cast<std::size_t>(steps) + 1;
+      found[s].mean[c] += steady_value(model, signals_of(model, {names[s]}, follower).requested.front(), follower);
+    }
+  }
+  return found;
 }
 
 }  // namespace platoon

@@ -102,6 +102,14 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for stationary_signals()");
+  if (const auto input = std::find(names.begin(), names.end(), kInput); input != names.end()) {
+    std::vector<std::string> others = names;
+    others.erase(others.begin() + (input - names.begin()));
+    std::vector<StationarySignal> result = stationary_signals(model, others, followers, string_stable);
+    const std::vector<double> none(followers, kNaN);
+    result.insert(result.begin() + (input - names.begin()), StationarySignal{{none, none, none}, std::nullopt});
+    return result;
+  }
   const LinkedPattern pattern(model);
   const std::vector<Signals> signals = requested_signals(model, names, followers);
   std::vector<StationarySignal> result(names.size());

@@ -71,7 +71,8 @@ BagStatistics statistics_of_bags(const BagSource& source,
   const RecordedPlatoon platoon = recorded_platoon(source);
   RunReading reading(platoon, signals);
   BagStream stream(source, [](const PlatoonTopic& topic) {
-    return topic.kind == Kind::position || topic.kind == Kind::error_statistics || topic.kind == Kind::configuration;
+    return topic.kind == Kind::position || topic.kind == Kind::input || topic.kind == Kind::error_statistics ||
+           topic.kind == Kind::configuration;
   });
   for (std::uint64_t count = 0; const std::optional<RecordedMessage> message = stream.next(); ++count) {
     if (message->topic.kind != Kind::configuration) {

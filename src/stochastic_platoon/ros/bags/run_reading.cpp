@@ -35,25 +35,37 @@ bool is_same(double a, double b) {
 }  // namespace
 
 RunReading::RunReading(const RecordedPlatoon& platoon, const std::optional<std::vector<std::string>>& signals)
-    : platoon_(platoon), run_(run_identity(platoon.configuration)) {
+    : platoon_(platoon),
+      run_(run_identity(platoon.configuration)),
+      measured_(measured_followers(platoon.configuration)) {
   if (!signals) return;
   RunOptions& run = platoon_.configuration.run;
   if (!signals->empty() && run.averaging() == Averaging::over_time)
     throw ConfigurationError(
         {"signals: " + signals->front() + ": must be empty for a recording of averages over time"});
   run.signals = *signals;
+  const std::vector<std::size_t> recorded = std::exchange(measured_, measured_followers(platoon_.configuration));
+  if (!std::includes(recorded.begin(), recorded.end(), measured_.begin(), measured_.end()))
+    throw ConfigurationError({"signals: input: must be absent for a recording of a run without this signal"});
 }
 
 void RunReading::take(const RecordedMessage& message) {
   if (message.topic.name_space != platoon_.name_space) return;
-  if (message.topic.kind == PlatoonTopic::Kind::position) return take_position(message.topic, message.position());
+  if (message.topic.kind <= PlatoonTopic::Kind::predecessor_input)
+    return take_values(message.topic, message.position());
   const auto& figures = std::get<ErrorStatistics::Ptr>(message.content);
   if (!figures->time_average && figures->realizations == platoon_.configuration.run.realizations)
     figures_[figures->step] = figures;
 }
 
-void RunReading::take_position(const PlatoonTopic& topic, const Position::ConstPtr& message) {
-  const std::string name = position_topic(topic.vehicle);
+void RunReading::take_values(const PlatoonTopic& topic, const Position::ConstPtr& message) {
+  const bool is_input = topic.kind == PlatoonTopic::Kind::input;
+  const std::string name = is_input ? input_topic(topic.vehicle) : position_topic(topic.vehicle);
+  const auto measured = std::find(measured_.begin(), measured_.end(), topic.vehicle);
+  if (is_input && measured == measured_.end()) return;
+  const std::size_t stream =
+      is_input ? platoon_.configuration.run.followers + 1 + static_cast<std::size_t>(measured - measured_.begin())
+               : topic.vehicle;
   if (topic.vehicle > platoon_.configuration.run.followers) return find(name, "is no vehicle of the recorded platoon");
   const MessageDescriptor descriptor = descriptor_of(*message);
   if (message->run != run_) return find(name, described(DropReason::foreign_run, descriptor.id, std::nullopt));
@@ -62,8 +74,8 @@ void RunReading::take_position(const PlatoonTopic& topic, const Position::ConstP
     statistics_ = std::make_unique<RunStatistics>(platoon_.configuration, descriptor.id.first_realization);
   }
   statistics_->saw(message->header.stamp.toNSec());
-  const std::optional<MessageId> before = statistics_->arrivals().latest(topic.vehicle);
-  const DropReason drop = statistics_->take(topic.vehicle, descriptor, positions_of(message));
+  const std::optional<MessageId> before = statistics_->arrivals().latest(stream);
+  const DropReason drop = statistics_->take(stream, descriptor, positions_of(message));
   if (drop != DropReason::none && drop != DropReason::stale) find(name, described(drop, descriptor.id, before));
 }
 

@@ -38,7 +38,7 @@ public:
   explicit RunReading(const RecordedPlatoon& platoon,
                       const std::optional<std::vector<std::string>>& signals = std::nullopt);
 
-  /// Takes positions of vehicles and error statistics in the order of the recorded times.
+  /// Takes positions and inputs of vehicles and error statistics in the order of the recorded times.
   void take(const RecordedMessage& message);
 
   /// Statistics and findings of the messages taken. Throws BagError if there are no positions from a step -1 on.
@@ -49,12 +49,13 @@ public:
   std::vector<std::string> changed_figures() const;
 
 private:
-  void take_position(const PlatoonTopic& topic, const stochastic_platoon::Position::ConstPtr& message);
+  void take_values(const PlatoonTopic& topic, const stochastic_platoon::Position::ConstPtr& message);
   void find_missing(const Arrivals& arrivals);
   void find(const std::string& topic, const std::string& what);
 
   RecordedPlatoon platoon_;
   std::uint64_t run_;
+  std::vector<std::size_t> measured_;  ///< followers whose inputs are read
   std::unique_ptr<RunStatistics> statistics_;
   std::map<std::int64_t, stochastic_platoon::ErrorStatistics::ConstPtr> figures_;  ///< of all realizations, by step
   std::map<std::string, std::size_t> counts_;

@@ -57,6 +57,9 @@ std::vector<std::string> recorded_topics(const Configuration& configuration, con
     add(input_topic(i));
     add(predecessor_input_topic(i + 1));
   }
+  for (const std::size_t i : measured_followers(configuration)) {
+    if (!sends_input(configuration.model, i, followers)) add(input_topic(i));
+  }
   return topics;
 }
 

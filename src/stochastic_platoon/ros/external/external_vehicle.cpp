@@ -38,16 +38,48 @@ bool hears_input(const nlohmann::json& model, std::size_t follower) {
   return std::any_of(inputs.begin(), inputs.end(), [](const auto& input) { return input.at("signal") == "input"; });
 }
 
+/// How the platoon starts: vehicle 0 moves from `first` by `slope` per step [m].
+struct SteadyStart {
+  bool steady;
+  double first, slope;
+};
+
+SteadyStart start_of(const nlohmann::json& model) {
+  bool steady = model.contains("limits");
+  for (const auto& type : model.value("vehicle_types", nlohmann::json::object()))
+    steady = steady || type.contains("limits");
+  if (!(model.contains("start") ? model.at("start") == "steady" : steady)) return {false, 0.0, 0.0};
+  const nlohmann::json& leader = model.at("leader");
+  if (leader.contains("positions")) {
+    const auto positions = leader.at("positions").get<std::vector<double>>();
+    return {true, positions.at(0), positions.size() > 1 ? positions[1] - positions[0] : 0.0};
+  }
+  double slope = 0.0;
+  for (const nlohmann::json& change : leader.at("speed")) {
+    if (change.at("from_step") == 0) slope = model.at("sample_period").get<double>() * change.at("value").get<double>();
+  }
+  return {true, -slope, slope};
+}
+
 VehicleSettings settings_of(const nlohmann::json& model, std::size_t index) {
-  const auto distance_up_to = [&model](std::size_t last) {
+  const SteadyStart start = start_of(model);
+  const auto distance_up_to = [&](std::size_t last) {
     double distance = 0.0;
-    for (std::size_t i = 1; i <= last; ++i) distance += value_of(model, i, "standstill_distance").get<double>();
+    for (std::size_t i = 1; i <= last; ++i) {
+      distance += value_of(model, i, "standstill_distance").get<double>();
+      if (!start.steady) continue;
+      const nlohmann::json channel = value_of(model, i, "channel");
+      const double delay = channel.is_object() ? channel.value("delay", 0.0) : 0.0;
+      distance += start.slope * (value_of(model, i, "time_headway").get<double>() + delay);
+    }
     return distance;
   };
   const std::size_t length = model.contains("string") ? model.at("string").size() : 1, repetitions = index / length;
   return {value_of(model, index, "time_headway").get<double>(),
-          value_of(model, index, "standstill_distance").get<double>(), model.at("sample_period"),
-          -(static_cast<double>(repetitions) * distance_up_to(length) + distance_up_to(index % length)),
+          value_of(model, index, "standstill_distance").get<double>(),
+          model.at("sample_period"),
+          start.first - (static_cast<double>(repetitions) * distance_up_to(length) + distance_up_to(index % length)),
+          start.slope / model.at("sample_period").get<double>(),
           hears_input(model, index)};
 }
 

@@ -50,8 +50,8 @@ bool SimulatedPredecessor::is_connected() const {
 // Repeats the first step until it is answered, as a leader does while links come up.
 void SimulatedPredecessor::begin_run(const Configuration& configuration) {
   schedule_ = configuration.run.schedule();
-  place_ = place_in_formation(configuration.model, vehicle_);
-  predecessor_place_ = place_in_formation(configuration.model, vehicle_ - 1);
+  place_ = start_place(configuration.model, vehicle_);
+  predecessor_place_ = start_place(configuration.model, vehicle_ - 1);
   period_ = platoon_period(configuration.model.sample_period);
   platoon_.setParam("configuration", to_json(configuration).dump());
   run_ = run_identity(configuration);

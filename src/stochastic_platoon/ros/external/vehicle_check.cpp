@@ -34,14 +34,25 @@ void space_otherwise(VehicleModel& vehicle) {
   }
 }
 
-// An endless run of the same vehicles with other spacings, behind a leader at constant speed.
+// Within the limits of all vehicles, with which a vehicle catches up [m/s].
+double speed_of_check(const PlatoonModel& model) {
+  double speed = kSpeed;
+  for (const VehicleType& type : model.types) {
+    if (type.vehicle.limits.speed) speed = std::min(speed, 0.8 * type.vehicle.limits.speed->upper);
+  }
+  return speed;
+}
+
+// An endless run of the same vehicles with other spacings, from rest behind a leader at constant speed.
 Configuration spaced_otherwise(Configuration configuration) {
   configuration.run.launch_id += ", other spacings";
   configuration.run.steps = 0;
   configuration.run.burn_in_chosen = false;
   configuration.run.realizations = configuration.run.batch = 1;
-  configuration.model.leader = LeaderProfile({{0, kSpeed}}, configuration.model.sample_period);
+  configuration.model.leader =
+      LeaderProfile({{0, speed_of_check(configuration.model)}}, configuration.model.sample_period);
   configuration.model.recorded_leader.clear();
+  configuration.model.start = Start::rest;
   for (VehicleType& type : configuration.model.types) {
     space_otherwise(type.vehicle);
     type.inherited.headway = false;
@@ -171,7 +182,7 @@ void VehicleCheck::check_spacing() {
   constexpr int kDoublings = 4;
   const Configuration spaced = spaced_otherwise(next_);
   const VehicleModel usual = vehicle(next_.model, vehicle_), other = vehicle(spaced.model, vehicle_);
-  speed_ = kSpeed * spaced.model.sample_period;
+  speed_ = speed_of_check(spaced.model) * spaced.model.sample_period;
   wobble_ = 0.0;
   const double due = other.standstill_distance + other.headway * speed_;
   const double by_headway = std::abs(other.headway - usual.headway) * speed_;

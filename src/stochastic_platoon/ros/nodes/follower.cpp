@@ -1,5 +1,6 @@
 #include "stochastic_platoon/ros/nodes/follower.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
@@ -33,6 +34,15 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
   input_.subscribe([this](const PositionEvent& event) { receive_position(event); });
 }
 
+namespace {
+
+bool is_measured(const Configuration& configuration, std::size_t follower) {
+  const std::vector<std::size_t> measured = measured_followers(configuration);
+  return std::binary_search(measured.begin(), measured.end(), follower);
+}
+
+}  // namespace
+
 void Follower::begin(const Configuration& configuration) {
   const std::size_t followers = configuration.run.followers;
   if (index_ < 1 || index_ > followers) {
@@ -42,7 +52,7 @@ void Follower::begin(const Configuration& configuration) {
   const BatchSchedule schedule = configuration.run.schedule();
   run_state_.emplace(RunState{schedule, publishes_ahead(index_, followers, configuration.run.pipeline_depth()),
                               vehicle(configuration.model, index_).feed_forward.has_value(),
-                              sends_input(configuration.model, index_, followers),
+                              sends_input(configuration.model, index_, followers) || is_measured(configuration, index_),
                               platoon_period(configuration.model.sample_period),
                               FollowerVehicle(configuration.model, configuration.run.seed, index_),
                               MessageOrder(schedule), MessageOrder(schedule)});

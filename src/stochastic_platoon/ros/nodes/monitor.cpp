@@ -73,16 +73,21 @@ Monitor::Monitor(ros::NodeHandle platoon, const Configuration& configuration, co
 
 void Monitor::subscribe(ros::NodeHandle platoon, const NodeOfVehicle& node_of_vehicle) {
   const std::size_t followers = configuration_.run.followers;
-  inputs_.reserve(followers + 1);
+  inputs_.reserve(followers + 1 + statistics_.measured().size());
   for (std::size_t i = 0; i <= followers; ++i) {
     const std::string external = configuration_.run.is_external(i) ? vehicle_name(i) : "";
     inputs_.emplace_back(membership_, node_of_vehicle(i), position_topic(i), "", external);
     inputs_.back().subscribe([this, i](const PositionEvent& event) { receive(i, event); });
   }
+  for (const std::size_t i : statistics_.measured()) {
+    const std::size_t stream = inputs_.size();
+    inputs_.emplace_back(membership_, node_of_vehicle(i), input_topic(i));
+    inputs_.back().subscribe([this, stream](const PositionEvent& event) { receive(stream, event); });
+  }
   others_ = platoon.subscribe(kProgressTopic, 100, &Monitor::receive_notice, this);
 }
 
-void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
+void Monitor::receive(std::size_t stream, const PositionEvent& event) {
   const Position::ConstPtr message = event.getMessage();
   const MessageDescriptor descriptor = descriptor_of(*message);
   SignalAssembly::Receipt receipt;
@@ -90,14 +95,14 @@ void Monitor::receive(std::size_t vehicle, const PositionEvent& event) {
     const Locked lock(lock_);
     statistics_.saw(message->header.stamp.toNSec());
     reports_.saw(message->header.stamp.toNSec());
-    receipt = statistics_.receive(vehicle, descriptor, positions_of(message));
+    receipt = statistics_.receive(stream, descriptor, positions_of(message));
   }
-  if (!inputs_[vehicle].takes(receipt.drop, descriptor.id, descriptor.size)) return;
-  if (snapshots_.wanted()) snapshots_.take(vehicle, *message);
+  if (!inputs_[stream].takes(receipt.drop, descriptor.id, descriptor.size)) return;
+  if (snapshots_.wanted() && stream <= configuration_.run.followers) snapshots_.take(stream, *message);
   const std::vector<ReducedSignals> signals = compute(receipt.due);
   const Locked lock(lock_);
   const double present = now();
-  const bool committed = statistics_.settle(vehicle, descriptor, signals);
+  const bool committed = statistics_.settle(stream, descriptor, signals);
   stall_.note_arrival(statistics_.arrivals(), present);
   if (!began_ && statistics_.arrivals().acknowledgement().step != kNothingYet) began_ = present;
   if (committed) statistics_.set_wall_seconds(wall_seconds_before_ + (began_ ? present - *began_ : 0.0));
@@ -213,7 +218,9 @@ void Monitor::check_for_stall(double present) {
 std::vector<std::size_t> Monitor::missing_vehicles() const {
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    if (!inputs_[i].is_connected()) missing.push_back(i);
+    if (inputs_[i].is_connected()) continue;
+    const std::size_t followers = configuration_.run.followers;
+    missing.push_back(i <= followers ? i : statistics_.measured()[i - followers - 1]);
   }
   return missing;
 }

@@ -94,8 +94,12 @@ StallDiagnosis StallReporter::diagnose(const Observation& seen) const {
   const std::vector<std::size_t> mute = seen.mute();
   if (!mute.empty()) return of_mute(mute.front());
   if (const std::optional<StallDiagnosis> receiver = of_receivers(seen.arrivals)) return *receiver;
-  StallDiagnosis found = diagnose_stall(seen.arrivals.latest(), run_.schedule(), run_.pipeline_depth(), run_.external,
-                                        seen.arrivals.latest_of_any_attempt());
+  const auto of_vehicles = [this](std::vector<std::optional<MessageId>> streams) {
+    streams.resize(run_.followers + 1);  // inputs follow the positions
+    return streams;
+  };
+  StallDiagnosis found = diagnose_stall(of_vehicles(seen.arrivals.latest()), run_.schedule(), run_.pipeline_depth(),
+                                        run_.external, of_vehicles(seen.arrivals.latest_of_any_attempt()));
   if (found.vehicle) found.text += explanation_of(*found.vehicle, seen.arrivals) + breach_of(*found.vehicle, seen);
   return found;
 }

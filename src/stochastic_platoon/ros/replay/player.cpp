@@ -27,14 +27,17 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Conf
       options_(options),
       stream_(options.bags,
               [](const PlatoonTopic& topic) {
-                return topic.kind == PlatoonTopic::Kind::position || topic.kind == PlatoonTopic::Kind::error_statistics;
+                return topic.kind == PlatoonTopic::Kind::position || topic.kind == PlatoonTopic::Kind::input ||
+                       topic.kind == PlatoonTopic::Kind::error_statistics;
               }),
       reading_(recorded_platoon(options.bags)),
       upcoming_(next()),
       paused_at_(options.paused ? std::optional<double>(now()) : std::nullopt) {
   for (std::size_t i = 0; i <= configuration.run.followers; ++i) {
-    positions_[i] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
+    played_[{PlatoonTopic::Kind::position, i}] = platoon.advertise<Position>(position_topic(i), kUnboundedQueue);
   }
+  for (const std::size_t i : measured_followers(configuration))
+    played_[{PlatoonTopic::Kind::input, i}] = platoon.advertise<Position>(input_topic(i), kUnboundedQueue);
   if (upcoming_) first_stamp_ = upcoming_->position()->header.stamp;
   const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
       [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -79,21 +82,21 @@ void Player::play() {
   if (!heard_ || paused_at_) return;
   if (!began_) began_ = last_progress_ = now();
   while (upcoming_ && may_publish(*upcoming_->position())) {
-    const auto position = positions_.find(upcoming_->topic.vehicle);
+    const auto played = played_.find({upcoming_->topic.kind, upcoming_->topic.vehicle});
     const bool left_out = since_first(*upcoming_->position()) < options_.start;
     const RecordedMessage due = *upcoming_;
     reading_.take(due);
     upcoming_ = next();
     if (!upcoming_) require_as_recorded();
     due.position()->run = run_;
-    if (position != positions_.end() && !left_out) position->second.publish(due.position());
+    if (played != played_.end() && !left_out) played->second.publish(due.position());
   }
 }
 
-// The next position. Statistics before it are kept for the comparison at the end.
+// The next position or input. Statistics before it are kept for the comparison at the end.
 std::optional<RecordedMessage> Player::next() {
   std::optional<RecordedMessage> message = stream_.next();
-  for (; message && message->topic.kind != PlatoonTopic::Kind::position; message = stream_.next())
+  for (; message && message->topic.kind == PlatoonTopic::Kind::error_statistics; message = stream_.next())
     reading_.take(*message);
   return message;
 }

@@ -48,12 +48,12 @@ private:
   std::int64_t window_;
   PlayerOptions options_;
   BagStream stream_;
-  RunReading reading_;                               ///< of all messages read, published or not
-  std::optional<RecordedMessage> upcoming_;          ///< a position
-  std::map<std::size_t, ros::Publisher> positions_;  ///< by vehicle
-  bool heard_ = false;                               ///< the monitor has reported
-  std::int64_t acknowledged_ = 0;                    ///< steps
-  double last_progress_ = 0.0;                       ///< [s]
+  RunReading reading_;                       ///< of all messages read, published or not
+  std::optional<RecordedMessage> upcoming_;  ///< a position
+  std::map<std::pair<PlatoonTopic::Kind, std::size_t>, ros::Publisher> played_;  ///< by kind and vehicle
+  bool heard_ = false;                                                           ///< the monitor has reported
+  std::int64_t acknowledged_ = 0;                                                ///< steps
+  double last_progress_ = 0.0;                                                   ///< [s]
   ros::Time first_stamp_;
   std::optional<double> began_;      ///< [s] wall time of first_stamp_; moves on while paused
   std::optional<double> paused_at_;  ///< [s]

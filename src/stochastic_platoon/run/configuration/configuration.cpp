@@ -69,6 +69,17 @@ void choose_burn_in(const PlatoonModel& model, RunOptions& run, std::vector<std:
   }
 }
 
+// The control input of every follower must be known.
+void require_inputs(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
+  if (std::find(run.signals.begin(), run.signals.end(), kInput) == run.signals.end()) return;
+  const auto has_none = [](const VehicleModel& of) { return !of.loop.parts; };
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  if (std::any_of(vehicles.begin(), vehicles.end(), has_none))
+    problems.emplace_back(
+        "run/signals: input: must be absent unless every vehicle has limits, a radio, or a plant by its actuator_lag or continuous");
+  if (!run.external.empty()) problems.emplace_back("run/signals: input: must be absent beside external vehicles");
+}
+
 void require_amplification(const RunOptions& run, std::vector<std::string>& problems) {
   const bool has_speed = std::find(run.signals.begin(), run.signals.end(), "speed") != run.signals.end();
   if (!has_speed || run.burn_in == 0 || run.has_amplification()) return;
@@ -97,6 +108,7 @@ Configuration parse_configuration(const YAML::Node& document) {
   }
   if (model) require_feasible_theory(*model, run, problems);
   require_amplification(run, problems);
+  if (model) require_inputs(*model, run, problems);
   if (model && run.burn_in_chosen) choose_burn_in(*model, run, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   return {*model, run};
@@ -119,6 +131,16 @@ nlohmann::json to_json(const Configuration& configuration) {
 SignalCells cells_of(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   return signal_cells(configuration.model, run.followers, run.steps, run.signals);
+}
+
+std::vector<std::size_t> measured_followers(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  std::vector<std::size_t> measured;
+  if (run.averaging() == Averaging::over_time) return measured;
+  for (std::size_t i = 1; i <= run.followers; ++i) {
+    if (measures_input(configuration.model, run.signals, i) && !run.is_external(i)) measured.push_back(i);
+  }
+  return measured;
 }
 
 std::uint64_t run_identity(const Configuration& configuration) {

@@ -29,6 +29,10 @@ Configuration parse_configuration(const std::string& text);
 /// The cells of the run's statistics.
 SignalCells cells_of(const Configuration& configuration);
 
+/// The followers whose control inputs a run over realizations measures: see measures_input(). They publish them.
+/// External vehicles do not.
+std::vector<std::size_t> measured_followers(const Configuration& configuration);
+
 /// JSON for parse_configuration().
 nlohmann::json to_json(const Configuration& configuration);
 

@@ -90,12 +90,9 @@ void check_radios(PlatoonModel& model, Section& document) {
           "plant: no double integrator: must have two poles at z = 1 (s = 0), as vehicles with a radio are sent its input, an acceleration");
     }
   }
-  if (!model.recorded_leader.empty())
-    document.report(
-        "leader/positions: given: must be speed: the radio of vehicle_1 is sent the leader's control input");
   if (document.problems() > before) return;
   for (VehicleType& type : model.types) {
-    type.vehicle.design->in_radio_string = true;
+    type.vehicle.design->sends_input = true;
     type.vehicle.loop = close_loop(*type.vehicle.design, type.vehicle.headway);
   }
 }

@@ -34,7 +34,7 @@ LeaderProfile read_profile(Section& section, double sample_period) {
 const std::map<std::string, double> kSpeedUnits{{"m/s", 1.0}, {"km/h", 1.0 / 3.6}, {"mph", 0.44704}},
     kLengthUnits{{"m", 1.0}, {"km", 1000.0}, {"ft", 0.3048}};
 
-std::vector<double> read_drive(Section& section, double sample_period) {
+std::vector<double> read_drive(Section& section, double sample_period, bool steady) {
   const std::size_t before = section.problems();
   RecordedDrive drive;
   drive.file = section.text("file");
@@ -59,7 +59,7 @@ std::vector<double> read_drive(Section& section, double sample_period) {
     return {};
   }
   try {
-    return positions_of(drive, sample_period);
+    return positions_of(drive, sample_period, steady);
   } catch (const std::invalid_argument& error) {
     section.report(std::string("file: ") + error.what());
     return {};
@@ -68,10 +68,10 @@ std::vector<double> read_drive(Section& section, double sample_period) {
 
 }  // namespace
 
-LeaderContent read_leader(Section section, double sample_period) {
+LeaderContent read_leader(Section section, double sample_period, bool steady) {
   LeaderContent leader;
   if (section.has("file")) {
-    leader.recorded = read_drive(section, sample_period);
+    leader.recorded = read_drive(section, sample_period, steady);
     if (section.has("positions")) section.reject("positions", "given", "absent beside file");
   } else if (section.has("positions")) {
     const Eigen::VectorXd positions = section.numbers("positions");

@@ -14,7 +14,7 @@ struct LeaderContent {
 };
 
 /// Reads the key `leader`: {speed: [...]}, {positions: [...]}, or {file: ...} with the keys of RecordedDrive. Reports
-/// all problems.
-LeaderContent read_leader(Section section, double sample_period);
+/// all problems. `steady`: whether the platoon starts in steady motion, which a table has from its first row on.
+LeaderContent read_leader(Section section, double sample_period, bool steady);
 
 }  // namespace platoon

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/run/configuration/fraction.hpp"
 #include "stochastic_platoon/run/configuration/inputs_section.hpp"
 #include "stochastic_platoon/run/configuration/leader_section.hpp"
+#include "stochastic_platoon/run/configuration/limits_section.hpp"
 #include "stochastic_platoon/run/configuration/link_section.hpp"
 
 namespace platoon {
@@ -52,6 +53,7 @@ void read_loop(Section& section, const VehicleModel* base, double sample_period,
       if (section.has(key)) section.reject(key, "given", "absent beside closed_loop, which replaces it");
     }
     vehicle.design.reset();
+    if (!section.has("limits")) vehicle.limits = {};
     const std::optional<ClosedLoop> given = read_given_loop(section.section("closed_loop"));
     if (given) vehicle.loop = *given;
     return;
@@ -90,6 +92,7 @@ VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sam
     vehicle.headway = read_headway(section, sample_period);
   number("standstill_distance", kNotNegative, &VehicleModel::standstill_distance);
   if (section.has("vehicle_length")) vehicle.length = section.number("vehicle_length", kNotNegative);
+  if (section.has("limits")) read_limits(section.section("limits"), vehicle.limits);
   const GivenInputs given = section.has("inputs") ? read_inputs(section, vehicle, allow_unstable) : GivenInputs{};
   if (!given.noise_variance) number("noise_variance", kNotNegative, &VehicleModel::noise_variance);
   if (base == nullptr || section.has("initial_position"))
@@ -124,7 +127,7 @@ void read_types(Section types, PlatoonModel& model) {
       continue;
     }
     Section type = types.section(name);
-    for (const char* key : {"sample_period", "leader", "allow_unstable", "safe_gap"}) {
+    for (const char* key : {"sample_period", "leader", "allow_unstable", "safe_gap", "start"}) {
       if (type.has(key)) type.reject(key, "given", "absent, as all vehicles share it");
     }
     model.types.push_back({name, read_vehicle(type, &base, model.sample_period, model.allow_unstable), {}});
@@ -174,15 +177,18 @@ std::optional<PlatoonModel> read_model(Section document) {
   const std::size_t before = document.problems();
   const double sample_period = document.number("sample_period", kSamplePeriod);
   const bool allow_unstable = document.has("allow_unstable") && document.boolean("allow_unstable");
-  LeaderContent leader = read_leader(document.section("leader"), sample_period);
+  const bool steady = starts_steady(document);
+  LeaderContent leader = read_leader(document.section("leader"), sample_period, steady);
   PlatoonModel model(read_vehicle(document, nullptr, sample_period, allow_unstable), leader.profile, sample_period);
   model.recorded_leader = std::move(leader.recorded);
   model.allow_unstable = allow_unstable;
+  if (document.has("start")) model.start = steady ? Start::steady : Start::rest;
   if (document.has("safe_gap")) model.safe_gap = document.number("safe_gap", kNotNegative);
   if (document.has("vehicle_types")) read_types(document.section("vehicle_types"), model);
   if (document.has("string")) read_string(document, model);
   document.reject_unknown_keys();
   if (document.problems() == before) check_radios(model, document);
+  if (document.problems() == before) check_limits(model, document);
   if (document.problems() == before) check_assumptions(model, document);
   return document.problems() == before ? std::optional<PlatoonModel>(std::move(model)) : std::nullopt;
 }
@@ -209,6 +215,7 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
     document["closed_loop"] = to_json(vehicle.loop.realization);
   }
   if (vehicle.length > 0.0) document["vehicle_length"] = vehicle.length;
+  if (vehicle.limits.any()) document["limits"] = to_json(vehicle.limits);
   return document;
 }
 
@@ -235,6 +242,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
                                                      : nlohmann::json{{"positions", model.recorded_leader}};
   document["allow_unstable"] = model.allow_unstable;
   if (model.safe_gap) document["safe_gap"] = *model.safe_gap;
+  if (model.start) document["start"] = *model.start == Start::steady ? "steady" : "rest";
   const LinkModel& base = model.default_vehicle().link;
   const nlohmann::json link = to_json(base);
   if (!link.empty()) document["channel"] = link;

@@ -21,7 +21,7 @@ Sample sample_of(const NumberTable& table, const RecordedDrive& drive) {
 
 }  // namespace
 
-std::vector<double> positions_of(const RecordedDrive& drive, double sample_period) {
+std::vector<double> positions_of(const RecordedDrive& drive, double sample_period, bool steady) {
   NumberTable table(drive.file, drive.skip_rows, {drive.time, drive.value});
   if (!table.next()) table.fail("holds no rows below the column names");
   Sample before = sample_of(table, drive);
@@ -47,6 +47,7 @@ std::vector<double> positions_of(const RecordedDrive& drive, double sample_perio
         formatted("ends %g s after its first row: must go on beyond from_second = %g s by a sample period of %g s",
                   before.second, drive.from_second, sample_period));
   std::vector<double> positions{0.0, 0.0};
+  if (steady) positions[0] -= drive.is_speed ? sample_period * values[0] : values[1] - values[0];
   for (std::size_t k = 1; k < values.size(); ++k) {
     positions.push_back(drive.is_speed ? positions.back() + 0.5 * sample_period * (values[k - 1] + values[k])
                                        : values[k] - values[0]);

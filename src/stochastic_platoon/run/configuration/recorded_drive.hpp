@@ -18,10 +18,11 @@ struct RecordedDrive {
 };
 
 /// y_0(-1), y_0(0), ... [m] of vehicle 0 along the whole table: the column is interpolated linearly at multiples of the
-/// sample period [s], and speeds are integrated by the trapezoidal rule. y_0(-1) = y_0(0) = 0.
+/// sample period [s], and speeds are integrated by the trapezoidal rule. y_0(0) = 0, and y_0(-1) = 0 or, for a steady
+/// start, -V T_s with the first speed V used, or that of the first step along a column of positions.
 ///
 /// Throws std::invalid_argument with the reason and the row unless the file can be read, has both columns, at least two
 /// rows of finite numbers from from_second on, and times that ascend by at most 1 s from row to row.
-std::vector<double> positions_of(const RecordedDrive& drive, double sample_period);
+std::vector<double> positions_of(const RecordedDrive& drive, double sample_period, bool steady = false);
 
 }  // namespace platoon

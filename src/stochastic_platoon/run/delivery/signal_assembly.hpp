@@ -16,12 +16,13 @@ namespace platoon {
 using Positions = std::shared_ptr<const std::vector<double>>;
 
 /// The positions that form the signals of follower i at step k of a batch: y_{i-1}(k), and y_i(k), y_i(k-1), ..., with
-/// y_i(-1) for steps before it and none for steps that no signal needs.
+/// position_before() for steps before -1 and none for steps that no signal needs.
 struct DueSignals {
   std::size_t follower;  ///< i >= 1
   MessageId id;          ///< k >= 0
   Positions predecessor;
   Signal::Own<Positions> own;
+  Positions input = {};  ///< u_i(k-1); null unless it is measured
 };
 
 /// The monitor's side of the delivery contract: combines the positions of all vehicles, finds the signals that can be
@@ -40,20 +41,24 @@ public:
   };
 
   /// Starts at realization `first`; earlier ones are committed. `attempt` is the latest known attempt. `before`: the
-  /// signals of step k need y_i(k - before) to y_i(k), 1 <= before <= Signal::kHighestOrder.
+  /// signals of step k need y_i(k - before) to y_i(k), 1 <= before <= Signal::kHighestOrder. `slope`: start_slope()
+  /// [m]. `measured`: the followers whose inputs are measured, in ascending order.
   SignalAssembly(const BatchSchedule& schedule, std::size_t followers, std::uint64_t first, std::uint32_t attempt,
-                 std::int64_t before = 1);
+                 std::int64_t before = 1, double slope = 0.0, std::vector<std::size_t> measured = {});
 
-  /// Takes the positions of vehicle 0 .. followers. Only a message in turn has an effect. Throws std::out_of_range for
-  /// a vehicle beyond the last.
-  Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
+  /// Takes the positions of vehicle 0 .. followers, or the inputs of a follower as stream input_stream(). Only a
+  /// message in turn has an effect. Throws std::out_of_range for a stream beyond the last.
+  Receipt receive(std::size_t stream, const MessageDescriptor& descriptor, const Positions& positions);
 
   /// Counts a message after its due signals have been processed; see Arrivals::count().
-  std::optional<CompleteBatch> settle(std::size_t vehicle, const MessageDescriptor& descriptor) {
-    return arrivals_.count(vehicle, descriptor);
+  std::optional<CompleteBatch> settle(std::size_t stream, const MessageDescriptor& descriptor) {
+    return arrivals_.count(stream, descriptor);
   }
 
-  /// The messages that have arrived; stream i is vehicle i = 0 .. followers.
+  /// The followers whose inputs are measured; the inputs of the first are stream followers + 1.
+  const std::vector<std::size_t>& measured() const { return measured_; }
+
+  /// The messages that have arrived; stream i is vehicle i = 0 .. followers; the inputs follow.
   const Arrivals& arrivals() const { return arrivals_; }
 
 private:
@@ -61,15 +66,21 @@ private:
     std::deque<Positions> positions;  ///< of steps first_kept, first_kept + 1, ... of the attempt
     std::int64_t first_kept = 0;
     std::int64_t handed_out = 0;  ///< steps whose signals as a follower were handed out
+    bool is_measured = false;
+    std::deque<Positions> inputs = {};  ///< of steps handed_out, handed_out + 1, ... if measured
     std::int64_t end() const { return first_kept + static_cast<std::int64_t>(positions.size()); }
     const Positions& at(std::int64_t step) const { return positions[static_cast<std::size_t>(step - first_kept)]; }
   };
+  std::vector<Vehicle> vehicles_anew() const;
   void find_due(std::size_t follower, std::vector<DueSignals>& due);
   void let_go(std::size_t vehicle);
 
+  std::size_t followers_;
+  std::vector<std::size_t> measured_;
   std::vector<Vehicle> vehicles_;
   Arrivals arrivals_;
   std::int64_t before_;
+  double slope_;
 };
 
 }  // namespace platoon

@@ -15,6 +15,7 @@
 #include "stochastic_platoon/run/report/age_analysis.hpp"
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/report/linear_theory.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"
 
 namespace platoon {
@@ -121,6 +122,10 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   };
   if (needs("rounding", {"rounding"}))
     analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
+  if (has_limits(model) && needs("the same cars without limits", {"linear"})) {
+    analysis.linear = std::make_shared<const Analysis>(analyze(linear_configuration(configuration), signals, begins));
+    analysis.beyond_limits = beyond_limits(configuration);
+  }
   if (analysis.without_theory) return analysis;
   if (needs("verdict",
             {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable", "loss_gain",
@@ -165,8 +170,12 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
   text += ": ";
   if (analysis.without_theory) {
-    return text + "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" +
-           age_report(model) + report(configuration, analysis.signals) + warning_lines(analysis.warnings);
+    text += "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" + age_report(model) +
+            report(configuration, analysis.signals) + warning_lines(analysis.warnings);
+    if (!analysis.linear) return text;
+    text += "The same cars without limits (linear): " + report(linear_configuration(configuration), *analysis.linear) +
+            beyond_limits_report(configuration, analysis.beyond_limits);
+    return text;
   }
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
@@ -296,6 +305,11 @@ nlohmann::json to_json(const Configuration& configuration, const Analysis& analy
                              {"age_of_information", ages_to_json(configuration.model, configuration.run.followers)}};
   if (!analysis.without_theory) document.update(theory_to_json(configuration, analysis));
   add_to_json(configuration, analysis.signals, document);
+  if (!analysis.linear) return document;
+  const std::vector<double>& beyond = analysis.beyond_limits;
+  document["linear"] = to_json(linear_configuration(configuration), *analysis.linear);
+  document["linear"]["probability_beyond_input_limits"] =
+      beyond.empty() ? nlohmann::json() : rows(beyond, static_cast<std::size_t>(configuration.run.steps));
   return document;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -41,6 +42,8 @@ struct Analysis {
   std::vector<std::string> contradictions = {};  ///< see contradictions()
   std::vector<std::string> warnings = {};        ///< see plausibility_warnings()
   SignalAnalysis signals = {};                   ///< of the signals requested
+  std::shared_ptr<const Analysis> linear = {};   ///< of the same cars without limits; null if they have none
+  std::vector<double> beyond_limits = {};        ///< see beyond_limits(); empty without limits
 };
 
 /// The analysis of a configuration's platoon over its steps. Throws ConfigurationError for an endless run, for a

@@ -78,6 +78,12 @@ GapTable gaps_from_json(const nlohmann::json& document) {
   return table;
 }
 
+LimitTable limits_from_json(const nlohmann::json& followers) {
+  LimitTable table(followers.size());
+  for (std::size_t i = 0; i < followers.size(); ++i) table.add(i + 1, followers[i].get<AtLimits>());
+  return table;
+}
+
 nlohmann::json to_json(const std::vector<Moments>& averages) {
   nlohmann::json rows = nlohmann::json::array();
   for (const Moments& of : averages) rows.push_back({of.count, of.mean, of.squared_deviations});
@@ -96,6 +102,7 @@ Checkpoint from_json(const nlohmann::json& document) {
                         block.value("fourth_deviations", std::vector<double>())});
   }
   if (document.contains("gaps")) totals.gaps = gaps_from_json(document.at("gaps"));
+  if (document.contains("limits")) totals.limits = limits_from_json(document.at("limits"));
   std::vector<Moments> averages;
   for (const nlohmann::json& row : document.at("time_averages")) {
     averages.push_back({row.at(0).get<std::uint64_t>(), row.at(1).get<double>(), row.at(2).get<double>()});
@@ -176,6 +183,7 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
                              {"blocks", to_json(checkpoint.totals.moments)},
                              {"time_averages", to_json(checkpoint.time_averages)}};
   if (!checkpoint.totals.gaps.empty()) document["gaps"] = to_json(checkpoint.totals.gaps);
+  if (!checkpoint.totals.limits.empty()) document["limits"] = checkpoint.totals.limits.followers();
   if (!checkpoint.shard.is_null()) document["shard"] = checkpoint.shard;
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
   const std::string content(bytes.begin(), bytes.end());

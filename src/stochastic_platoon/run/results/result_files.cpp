@@ -14,6 +14,7 @@
 #include "stochastic_platoon/run/io/checksum.hpp"
 #include "stochastic_platoon/run/io/csv_text.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/report/linear_theory.hpp"
 #include "stochastic_platoon/run/results/age_results.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
@@ -135,6 +136,7 @@ Files tables_of(const Configuration& configuration, const Prediction& prediction
   if (!result.signals.empty() && configuration.run.has_amplification())
     tables["amplification.csv"] = amplification_csv(configuration, prediction, result);
   if (!result.gaps.empty()) tables["gaps.csv"] = gaps_csv(configuration, prediction, result);
+  if (!result.limits.empty()) tables["limits.csv"] = limits_csv(configuration, result);
   if (std::string ages = ages_csv(configuration, result); !ages.empty()) tables["ages.csv"] = std::move(ages);
   return tables;
 }
@@ -169,6 +171,7 @@ Files result_files(const Configuration& configuration, const Prediction& predict
   Files files = tables_of(configuration, prediction, result);
   nlohmann::json summary = summary_json(configuration, prediction, result);
   summary.update(provenance(configuration));
+  if (has_limits(configuration.model)) summary["linear"] = linear_json(configuration);
   if (!result.gaps.empty()) summary["smallest_gap"] = smallest_gap_json(result);
   std::string text = with_checksums(std::move(summary), files);
   files[kSummary] = std::move(text);

@@ -38,6 +38,7 @@ RunResult result_of(const Configuration& configuration, const EnsembleTotals& to
   result.last_step = configuration.run.steps - 1;
   result.tally = tally;
   result.gaps = totals.gaps;
+  result.limits = totals.limits;
   const SignalCells cells = cells_of(configuration);
   const std::vector<Moments> all = totals.moments.totals();
   const auto of_kind = [&](std::size_t kind) {

@@ -33,6 +33,7 @@ struct RunResult {
   std::vector<IndependentShare> shares = {};       ///< for averages over time: as measured, one per follower
   std::vector<std::vector<Moments>> signals = {};  ///< of each requested signal, one cell per follower and step
   GapTable gaps = GapTable();                      ///< empty if the gap is not among them
+  LimitTable limits = LimitTable();                ///< empty if no vehicle has limits
 };
 
 /// The result of a set of a run's realizations, complete if these are all.

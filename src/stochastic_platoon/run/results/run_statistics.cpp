@@ -47,7 +47,8 @@ RunStatistics::RunStatistics(const Configuration& configuration, const Checkpoin
       tally_(tally_of(start, configuration.run)),
       averages_(averages_of(configuration.run, cells_, start)),
       assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, tally_.attempts,
-                static_cast<std::int64_t>(steps_before(signals_.front()))) {
+                static_cast<std::int64_t>(steps_before(signals_.front())), start_slope(configuration.model),
+                measured_followers(configuration)) {
   if (configuration.run.averaging() == Averaging::over_realizations) return;
   leader_.emplace(ModelLeader{LeaderVehicle(configuration.model), 0.0});
   averages_->saw_leader(kNothingYet, true);
@@ -75,6 +76,7 @@ void RunStatistics::compare_leader(std::int64_t step, double position) {
 ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
   const std::size_t count = due.own.front()->size();
   SignalPositions positions{due.predecessor->data(), {}, count};
+  if (due.input) positions.input = due.input->data();
   for (std::size_t j = 0; j < due.own.size() && due.own[j] != nullptr; ++j) positions.own[j] = due.own[j]->data();
   const FollowerSignals& signals = signals_[due.follower - 1];
   ReducedSignals reduced{due.follower,
@@ -82,6 +84,7 @@ ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
                          due.id.first_realization,
                          count,
                          {reduce_signal(due.id.first_realization, signals.error, positions, cells_.kept)}};
+  if (!cells_.limits.empty()) reduced.at_limits = count_at_limits(cells_.limits[due.follower - 1], positions);
   if (signals.requested.empty()) return reduced;
   FormedValues values;
   if (cells_.has_gap()) {
@@ -109,7 +112,8 @@ bool RunStatistics::settle(std::size_t vehicle, const MessageDescriptor& descrip
   if (configuration_.run.averaging() == Averaging::over_time) tally_.positions_received += descriptor.size;
   if (!batch) return false;
   averages_->commit(batch->first_realization);
-  tally_.positions_received += batch->positions_received;
+  const std::size_t vehicles = configuration_.run.followers + 1;  // their streams and those of inputs are of one length
+  tally_.positions_received += batch->positions_received / (vehicles + measured().size()) * vehicles;
   return true;
 }
 

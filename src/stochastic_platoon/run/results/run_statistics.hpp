@@ -33,8 +33,11 @@ public:
   /// The same, but treats realizations before `first_realization` as done, without their statistics.
   RunStatistics(const Configuration& configuration, std::uint64_t first_realization);
 
-  /// Takes the positions of vehicle 0 .. N. A message that is not in turn has no effect: only one in turn is to be
-  /// computed and settled.
+  /// The followers whose inputs are measured.
+  const std::vector<std::size_t>& measured() const { return assembly_.measured(); }
+
+  /// Takes the positions of vehicle 0 .. N or, from N + 1 on, the inputs of the measured() followers. A message that is
+  /// not in turn has no effect: only one in turn is to be computed and settled.
   SignalAssembly::Receipt receive(std::size_t vehicle, const MessageDescriptor& descriptor, const Positions& positions);
 
   std::vector<ReducedSignals> compute(const std::vector<DueSignals>& due) const;

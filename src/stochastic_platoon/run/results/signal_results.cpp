@@ -75,6 +75,23 @@ std::string signals_csv(const Configuration& configuration, const Prediction& pr
   return csv.text();
 }
 
+std::string limits_csv(const Configuration& configuration, const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  const double steps = static_cast<double>(run.steps) * static_cast<double>(result.realizations);
+  CsvText csv("vehicle,input_low,input_high,speed_low,speed_high");
+  csv.end_row();
+  for (std::size_t i = 1; i <= run.followers; ++i) {
+    const VehicleLimits& limits = vehicle(configuration.model, i).limits;
+    const AtLimits& at = result.limits.followers()[i - 1];
+    const auto share = [&](std::size_t side) { return static_cast<double>(at[side]) / steps; };
+    csv.add(i);
+    csv.add_if(limits.input && !run.is_external(i), share(0), share(1));
+    csv.add_if(limits.speed.has_value(), share(2), share(3));
+    csv.end_row();
+  }
+  return csv.text();
+}
+
 std::string gaps_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const GapCounting& counting = result.gaps.counting();
   const std::vector<FollowerGaps>& all = result.gaps.followers();

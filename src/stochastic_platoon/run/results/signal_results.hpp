@@ -36,6 +36,10 @@ std::string gaps_csv(const Configuration& configuration, const Prediction& predi
 std::string amplification_csv(const Configuration& configuration, const Prediction& prediction,
                               const RunResult& result);
 
+/// The content of limits.csv: per follower the share of its steps at the lower and upper limit of its input and of its
+/// speed, over all realizations (see count_at_limits()); empty without the limit, and for inputs of external vehicles.
+std::string limits_csv(const Configuration& configuration, const RunResult& result);
+
 /// The smallest gap of all followers for summary.json: gap, vehicle, realization, step; null without gaps.
 nlohmann::json smallest_gap_json(const RunResult& result);
 

@@ -31,6 +31,7 @@ TrajectoryColumns trajectory_columns(const Configuration& configuration, std::ui
   for (const char* name : {"position", "received_position", "input", "received_input", "tracking_error"})
     columns.quantities.emplace_back(name, std::vector<double>(size, kNaN));
   for (const SignalKind& kind : signal_kinds()) {
+    if (std::string(kind.name) == kInput) continue;  // has its column already
     names.emplace_back(kind.name);
     columns.quantities.emplace_back(kind.name, std::vector<double>(size, kNaN));
   }

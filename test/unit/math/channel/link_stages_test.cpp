@@ -45,7 +45,7 @@ TEST(Quantiser, HasAWhiteErrorWithTheVarianceOfAUniformOne) {
 TEST(PacketLoss, HasZeroForALossWithoutAPredictor) {
   PacketLoss loss({0.5, {}, {}}, kSeed, kReceiver);
   Values start(2, 9.0);
-  loss.start(0, 2, start.data());
+  loss.start(0, 2, start.data(), 0.0);
   int lost = 0;
   for (std::int64_t k = 0; k < 200; ++k) {
     Values values(2, 7.0);

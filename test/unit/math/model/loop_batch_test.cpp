@@ -53,7 +53,7 @@ TEST(LoopBatch, IsTheConvolutionWithItsImpulseResponse) {
     }
     const std::vector<double> input = draw(1, {1, 0}, 0, kSteps);
     const std::unique_ptr<LoopBatch> loop = batch_of(system);
-    loop->start_at_equilibrium({0.0});
+    loop->start({0.0}, 0.0);
     std::vector<double> output;
     for (std::size_t k = 0; k < kSteps; ++k) {
       double expected = 0.0;
@@ -68,7 +68,7 @@ TEST(LoopBatch, IsTheConvolutionWithItsImpulseResponse) {
 
 TEST(LoopBatch, SubtractsTheOffsetFromItsInput) {
   const std::unique_ptr<LoopBatch> with_offset = batch_of(dense_paper_loop()), without = batch_of(dense_paper_loop());
-  for (const auto& loop : {with_offset.get(), without.get()}) loop->start_at_equilibrium({1.0, -2.0});
+  for (const auto& loop : {with_offset.get(), without.get()}) loop->start({1.0, -2.0}, 0.0);
   for (int k = 0; k < 20; ++k)
     EXPECT_EQ(stepped(*with_offset, {4.0 + k, 7.0}, 2.5), stepped(*without, {1.5 + k, 4.5}, 0.0));
 }
@@ -77,7 +77,7 @@ TEST(LoopBatch, StaysAtRest) {
   const std::vector<double> places = {0.0, 1.0, -3.7, 250.0};
   for (const StateSpace& system : loops()) {
     const std::unique_ptr<LoopBatch> loop = batch_of(system);
-    loop->start_at_equilibrium(places);
+    loop->start(places, 0.0);
     for (int k = 0; k < 500; ++k) {
       std::vector<double> output;
       loop->output(output);
@@ -90,9 +90,9 @@ TEST(LoopBatch, StaysAtRest) {
 TEST(LoopBatch, ForgetsItsPastAtANewStart) {
   for (const StateSpace& system : loops()) {
     const std::unique_ptr<LoopBatch> used = batch_of(system), fresh = batch_of(system);
-    used->start_at_equilibrium({1.0, 2.0, 3.0});
+    used->start({1.0, 2.0, 3.0}, 0.0);
     for (int k = 0; k < 5; ++k) stepped(*used, {9.0, -9.0, 4.0}, 0.0);
-    for (const auto& loop : {used.get(), fresh.get()}) loop->start_at_equilibrium({5.0, -1.0});
+    for (const auto& loop : {used.get(), fresh.get()}) loop->start({5.0, -1.0}, 0.0);
     for (int k = 0; k < 5; ++k) EXPECT_EQ(stepped(*used, {0.5, 0.25}, 0.0), stepped(*fresh, {0.5, 0.25}, 0.0));
   }
 }
@@ -108,7 +108,7 @@ TEST(LoopBatch, HasTheSameBitsInEveryBatch) {
         return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
       };
       const std::unique_ptr<LoopBatch> loop = batch_of(system);
-      loop->start_at_equilibrium(part(places, 0));
+      loop->start(part(places, 0), 0.0);
       std::vector<std::vector<double>> outputs(kSteps);
       for (std::size_t k = 0; k < kSteps; ++k) outputs[k] = stepped(*loop, part(input, k), 0.3);
       return outputs;

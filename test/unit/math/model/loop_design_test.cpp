@@ -133,7 +133,7 @@ TEST(LoopByParts, EqualsItsRealizationStepByStep) {
     EXPECT_TRUE(violated_assumptions(loop, loop.parts->headway, false).empty());
     const StateSpace& system = loop.realization;
     const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
-    batch->start_at_equilibrium({0.0, 0.0, 0.0});
+    batch->start({0.0, 0.0, 0.0}, 0.0);
     Eigen::VectorXd state = Eigen::VectorXd::Zero(system.order());
     std::vector<double> y(3);
     for (int k = 0; k < 300; ++k) {
@@ -154,7 +154,7 @@ TEST(LoopByParts, FeedsForwardAndReturnsItsInput) {
   constexpr double kGain = 0.7;
   for (const ClosedLoop& loop : loops_by_parts()) {
     const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
-    batch->start_at_equilibrium({0.0, 0.0});
+    batch->start({0.0, 0.0}, 0.0);
     std::vector<double> state(loop.parts->order(), 0.0), y(2), own(2);
     for (int k = 0; k < 300; ++k) {
       const double position = 0.3 * std::sin(0.2 * k), heard = std::cos(0.1 * k);
@@ -172,7 +172,7 @@ TEST(LoopByParts, AcceleratesByTheFeedForwardAlone) {
   // y = G u, without a headway filter u = K (r - H y) + F v: a step of v alone accelerates by F.
   const ClosedLoop loop = close_loop(car(0.0, 0.0, 0.1, false, 0.0), 30.0);
   const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
-  batch->start_at_equilibrium({0.0});
+  batch->start({0.0}, 0.0);
   const double position = 0.0, heard = 2.0;
   double y = 0.0, own = 0.0;
   batch->step(&position, 0.0, &y, {&heard, 1.5, &own});
@@ -184,7 +184,7 @@ TEST(LoopByParts, AcceleratesByTheFeedForwardAlone) {
 TEST(LoopByParts, StaysAtRestToTheBit) {
   for (const ClosedLoop& loop : loops_by_parts()) {
     const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
-    batch->start_at_equilibrium({1234.5, -0.1});
+    batch->start({1234.5, -0.1}, 0.0);
     std::vector<double> y(2);
     const std::vector<double> input{1234.5, -0.1};
     for (int k = 0; k < 1000; ++k) batch->step(input.data(), 0.0, y.data(), {});
@@ -197,7 +197,7 @@ TEST(LoopByParts, FollowsARampAtItsHeadway) {
   const double h = 3000.0;
   const ClosedLoop loop = close_loop(car(0.1, 0.05, 0.001, true), h);
   const std::unique_ptr<LoopBatch> batch = loop_batch(loop);
-  batch->start_at_equilibrium({0.0});
+  batch->start({0.0}, 0.0);
   double y = 0.0, u = 0.0;
   for (int k = 0; k < 1700000; ++k) {
     u = 0.03 * k;

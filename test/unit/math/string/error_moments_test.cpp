@@ -24,7 +24,7 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
   if (!led) ahead.assign(steps + 1, 0.0);
   for (std::size_t i = 0; i < followers; ++i) {
     const std::unique_ptr<LoopBatch> loop = loop_batch(model.default_vehicle().loop);
-    loop->start_at_equilibrium({initial[i]});
+    loop->start({initial[i]}, 0.0);
     std::vector<double> own;
     for (std::size_t k = 0; k <= steps; ++k) {
       std::vector<double> y;

@@ -1,0 +1,37 @@
+#include "stochastic_platoon/math/model/linear_model.hpp"
+
+#include "stochastic_platoon/math/model/vehicle.hpp"
+
+namespace platoon {
+
+PlatoonModel without_limits(PlatoonModel model, std::int64_t steps) {
+  if (model.recorded_leader.empty() && steps > 0) {
+    LeaderVehicle leader(model);
+    model.recorded_leader.push_back(leader.start());
+    for (std::int64_t k = 0; k < steps; ++k) model.recorded_leader.push_back(leader.step());
+  }
+  model.start = starts_steady(model) ? Start::steady : Start::rest;
+  for (VehicleType& type : model.types) type.vehicle.limits = {};
+  return model;
+}
+
+PlatoonModel in_moving_frame(PlatoonModel model) {
+  const double slope = start_slope(model), speed = slope / model.sample_period;
+  if (model.recorded_leader.empty()) {
+    std::vector<SpeedChange> changes = model.leader.changes();
+    for (SpeedChange& change : changes) change.value -= speed;
+    model.leader = LeaderProfile(changes, model.sample_period);
+  }
+  for (std::size_t k = model.recorded_leader.size(); k-- > 0;)
+    model.recorded_leader[k] -= model.recorded_leader.front() + slope * static_cast<double>(k);
+  model.start = Start::rest;
+  return model;
+}
+
+double steady_value(const PlatoonModel& model, const Signal& signal, std::size_t follower) {
+  const VehicleModel& own = vehicle(model, follower);
+  const double behind = signal.relative ? own.headway + static_cast<double>(own.link.delay) : 0.0;
+  return start_slope(model) * (behind + (signal.order == 1 ? signal.factor : 0.0));
+}
+
+}  // namespace platoon

@@ -1,0 +1,71 @@
+#include "stochastic_platoon/run/report/linear_theory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/linear_model.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/beyond_limits.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/report/prediction.hpp"
+
+namespace platoon {
+
+namespace {
+
+std::vector<double> largest_of_steps(const Configuration& configuration, const std::vector<double>& cells) {
+  std::vector<double> largest;
+  for (std::size_t i = 1; !cells.empty() && i <= configuration.run.followers; ++i) {
+    const auto first = cells.begin() + static_cast<std::ptrdiff_t>(cell(i, 0, configuration.run.steps));
+    largest.push_back(*std::max_element(first, first + configuration.run.steps));
+  }
+  return largest;
+}
+
+}  // namespace
+
+Configuration linear_configuration(Configuration configuration) {
+  configuration.model = without_limits(configuration.model, configuration.run.steps);
+  return configuration;
+}
+
+std::vector<double> beyond_limits(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  const PlatoonModel linear = linear_configuration(configuration).model;
+  const std::vector<VehicleModel> vehicles = pattern(linear);
+  const bool has_inputs =
+      std::all_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& of) { return of.loop.parts.has_value(); });
+  if (run.steps == 0 || !has_inputs || no_theory(linear) || !has_normal_errors(linear)) return {};
+  return probability_beyond_limits(configuration.model, run.followers, run.steps);
+}
+
+std::string beyond_limits_report(const Configuration& configuration, const std::vector<double>& cells) {
+  const std::vector<double> largest = largest_of_steps(configuration, cells);
+  std::string text;
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    if (std::isnan(largest[i])) continue;
+    text += formatted("%s%.4g (follower %zu)", text.empty() ? "" : ", ", largest[i], i + 1);
+  }
+  return text.empty() ? text : "Linear input beyond its limits: probability per step up to " + text + "\n";
+}
+
+nlohmann::json linear_json(const Configuration& configuration) {
+  const PlatoonModel linear = linear_configuration(configuration).model;
+  const std::optional<std::string> reason = no_theory(linear);
+  nlohmann::json document = {{"theory", name_of_theory(!reason)}};
+  if (reason) {
+    document["reason"] = *reason;
+    return document;
+  }
+  document.update(to_json(string_stability(linear)));
+  document["stationary_variance"] = numbers(stationary_variances(linear, configuration.run.followers));
+  const std::vector<double> largest = largest_of_steps(configuration, beyond_limits(configuration));
+  document["probability_beyond_input_limits"] = largest.empty() ? nlohmann::json() : numbers(largest);
+  return document;
+}
+
+}  // namespace platoon
