@@ -17,7 +17,7 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
-#include "stochastic_platoon/run/report/analysis.hpp"
+#include "stochastic_platoon/run/report/analysis_report.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
 #include "stochastic_platoon/run/results/result_check.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"

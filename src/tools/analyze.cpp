@@ -11,7 +11,7 @@
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/spaced.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
-#include "stochastic_platoon/run/report/analysis.hpp"
+#include "stochastic_platoon/run/report/analysis_report.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
 #include "tools/command_line.hpp"
 

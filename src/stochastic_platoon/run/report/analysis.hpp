@@ -55,9 +55,6 @@ Analysis analyze(
     const Configuration& configuration, const SignalRequest& signals = {},
     const StageObserver& begins = [](const char*) {}, const std::set<std::string>& keys = {});
 
-/// Text report: the verdict first, then the reasons.
-std::string report(const Configuration& configuration, const Analysis& analysis);
-
 /// JSON for programs; missing values are null.
 nlohmann::json to_json(const Configuration& configuration, const Analysis& analysis);
 

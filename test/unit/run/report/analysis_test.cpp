@@ -1,4 +1,4 @@
-#include "stochastic_platoon/run/report/analysis.hpp"
+#include "stochastic_platoon/run/report/analysis_report.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,150 @@
+#include "stochastic_platoon/run/report/analysis_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/loop_assumptions.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/report/age_analysis.hpp"
+#include "stochastic_platoon/run/report/figure.hpp"
+#include "stochastic_platoon/run/report/linear_theory.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
+
+namespace platoon {
+
+namespace {
+
+std::string shown(const std::vector<HeadwayInterval>& intervals) {
+  std::string text;
+  for (const HeadwayInterval& interval : intervals) text += formatted(" [%.6g, %.6g]", interval.from, interval.to);
+  return text.empty() ? " none" : text;
+}
+
+/// " of default, truck": the given types, if the string has several; else empty.
+std::string of_types(const PlatoonModel& model, const std::vector<std::string>& types) {
+  if (is_homogeneous(model)) return "";
+  std::string text;
+  for (const std::string& type : types) text += (text.empty() ? " of " : ", ") + type;
+  return text;
+}
+
+std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.headways) {
+    const bool followed = !types_with_default(model, &Inherited::headway).empty();
+    return std::string("Critical headway: none, as ") +
+           (followed ? "the closed loop itself was given and fits one headway\n"
+                     : "no vehicle of the string follows the default headway\n");
+  }
+  const StableHeadways& headways = *analysis.headways;
+  const std::string critical = headways.critical ? formatted("%.9g sample periods (%.9g s)", *headways.critical,
+                                                             *headways.critical * model.sample_period)
+                                                 : "none";
+  return "Critical headway" + of_types(model, headways.types) + ": " + critical +
+         formatted("; string stable headways within [%.6g, %.6g]:", headways.searched.from, headways.searched.to) +
+         shown(headways.intervals) + "\n";
+}
+
+std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
+  const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
+  if (own_loss && own_loss->markov) return "Critical loss probability: none, as a chain of states loses\n";
+  if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
+  const std::optional<double> critical = analysis.losses->critical;
+  const VehicleModel& own = model.default_vehicle();
+  const std::string signal = own.feed_forward ? "input" : "position";
+  return "Critical loss probability" + of_types(model, analysis.losses->types) + (own.feed_forward ? " by radio" : "") +
+         (varied_link(own).loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
+         (critical ? formatted("%.9g", *critical) : "none") +
+         formatted("; string stable loss probabilities within [0, %.6g]%s:", analysis.losses->largest,
+                   has_bursts(model) ? " at this mean burst" : "") +
+         shown(analysis.losses->intervals) + "\n";
+}
+
+std::string burst_line(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.bursts) return "";
+  const CriticalBurst& bursts = *analysis.bursts;
+  return "Critical mean burst" + of_types(model, bursts.types) + ": " +
+         (bursts.critical ? formatted("%.9g steps", *bursts.critical)
+          : bursts.stable
+              ? formatted("none, as the string is stable for every one up to %.6g steps", bursts.to)
+              : formatted("none, as the string is not stable at the shortest one, %.6g steps", bursts.from)) +
+         "\n";
+}
+}  // namespace
+
+std::string report(const Configuration& configuration, const Analysis& analysis) {
+  const PlatoonModel& model = configuration.model;
+  const StringStability& stability = analysis.stability;
+  const VehicleModel& own = model.default_vehicle();
+  std::string text =
+      formatted("h = %g (%g s), P_d = %g m^2", own.headway, own.headway * model.sample_period, own.noise_variance);
+  if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
+  text += ": ";
+  if (analysis.without_theory) {
+    text += "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" + age_report(model) +
+            report(configuration, analysis.signals) + warning_lines(analysis.warnings);
+    if (!analysis.linear) return text;
+    text += "The same cars without limits (linear): " + report(linear_configuration(configuration), *analysis.linear) +
+            beyond_limits_report(configuration, analysis.beyond_limits);
+    return text;
+  }
+  text += stability.reason + "\n";
+  text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
+          (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
+  text += std::isnan(stability.peak_gain)
+              ? "peak of |T|: none, as the errors do not settle\n"
+              : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_feed_forward(model) ? "Gamma" : "T",
+                          stability.peak_gain, stability.peak_frequency);
+  text += report(model, analysis.robustness);
+  text += headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
+  const std::vector<double>& stationary = analysis.stationary_variance;
+  text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
+          figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
+          figure(stability.limit_variance, "m^2") + "\n";
+  if (!analysis.stationary_variance_by_input.empty()) {
+    const auto& [position, input] = analysis.stationary_variance_by_input.back();
+    text += "of which radar " + figure(position, "m^2") + ", radio " + figure(input, "m^2") +
+            formatted(" (follower %zu)\n", stationary.size());
+  }
+  const std::vector<double>& means = analysis.stationary_mean;
+  const auto largest = std::max_element(means.begin(), means.end(),
+                                        [](double one, double other) { return std::abs(one) < std::abs(other); });
+  if (largest != means.end() && *largest != 0.0 && std::isfinite(*largest)) {
+    text += formatted("Stationary mean: up to %.6g m, of follower %zu, caused by delay and loss at constant speed\n",
+                      *largest, static_cast<std::size_t>(largest - means.begin()) + 1);
+  }
+  for (const std::string& contradiction : analysis.contradictions) text += contradiction_line(contradiction);
+  text += report(configuration, analysis.signals);
+  text += formatted(
+      "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
+      analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
+      duration(analysis.moments.steps, model).c_str(),
+      figure(sequence_norm(analysis.norms.mean.data(), analysis.norms.mean.size(), NormOrder::kInfinity), "m").c_str(),
+      figure(sequence_norm(analysis.norms.variance.data(), analysis.norms.variance.size(), NormOrder::kInfinity), "m^2")
+          .c_str());
+  if (analysis.bounds) {
+    const TheoremTwoBounds& bounds = *analysis.bounds;
+    text += "Bounds of Theorem 2: mean " + figure(bounds.mean_bound, "m") + " (alpha_1 " + figure(bounds.alpha_1, "m") +
+            ", beta_1 " + figure(bounds.beta_1, "m") + "), variance " + figure(bounds.variance_bound, "m^2") +
+            " (alpha_2 " + figure(bounds.alpha_2, "m^2") + ", beta_2 " + figure(bounds.beta_2, "m^2") +
+            "; the paper's beta_2 " + figure(bounds.stated_beta_2, "m^2") + ")\n";
+  } else if (!is_papers(model)) {
+    text += "Bounds of Theorem 2: none, as they apply to the paper's platoon only\n";
+  } else {
+    text += "Bounds of Theorem 2: none, as rho(A) is not below 1\n";
+  }
+  text += warning_lines(analysis.warnings);
+  if (analysis.rounding > 1e-9) {
+    text += formatted(
+        "Warning: a run keeps a position of 1 m to %.1g m only, as the coefficients of A, B and C lose digits in double. The figures above do not lose them: they hold for the given, rounded numbers\n",
+        analysis.rounding);
+  }
+  if (analysis.integral_defect > 1e-9) {
+    text += formatted(
+        "Warning: A, B and C have T(1) = 1 and dT/dz(1) = -h to %.1g only, which does not determine a verdict so near to its border, nor the limit to more digits\n",
+        analysis.integral_defect);
+  }
+  return text;
+}
+
+}  // namespace platoon
