@@ -62,7 +62,7 @@ TEST(PacketLoss, FollowsATraceFromARandomOffset) {
   PacketLoss loss(recorded(digits, {1.0}), 3, 2);
   std::vector<std::vector<double>> received(25, std::vector<double>(kCount));
   std::vector<double> values(kCount, -1.0);
-  loss.start(0, kCount, values.data());
+  loss.start(0, kCount, values.data(), 0.0);
   for (std::size_t k = 0; k < received.size(); ++k) {
     received[k].assign(kCount, static_cast<double>(k));
     loss.step(static_cast<std::int64_t>(k), 0, kCount, received[k].data());
@@ -94,8 +94,8 @@ TEST(PacketLoss, FollowsATraceFromARandomOffset) {
 TEST(PacketLoss, HasTheSameOffsetInEveryBatch) {
   PacketLoss all(recorded("110100", {2.0, -1.0}), 3, 2), part(recorded("110100", {2.0, -1.0}), 3, 2);
   std::vector<double> of_all(100, 1.0), of_part(3, 1.0);
-  all.start(0, 100, of_all.data());
-  part.start(41, 3, of_part.data());
+  all.start(0, 100, of_all.data(), 0.0);
+  part.start(41, 3, of_part.data(), 0.0);
   for (std::int64_t k = 0; k < 30; ++k) {
     of_all.assign(100, std::sin(static_cast<double>(k)));
     of_part.assign(3, std::sin(static_cast<double>(k)));
