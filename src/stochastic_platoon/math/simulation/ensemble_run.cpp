@@ -29,8 +29,9 @@ double now() {
 
 BatchWork batch_work(const PlatoonModel& model, const Ensemble& ensemble) {
   const auto computation = [model, ensemble]() -> BatchWork::Computation {
-    auto string = std::make_shared<PlatoonString>(model, ensemble.seed, ensemble.followers,
-                                                  steps_before(signals_of(model, ensemble.signals, 1)), ensemble.signals);
+    auto string =
+        std::make_shared<PlatoonString>(model, ensemble.seed, ensemble.followers,
+                                        steps_before(signals_of(model, ensemble.signals, 1)), ensemble.signals);
     return [ensemble, string, cells = cells_of(model, ensemble),
             signals = signals_of_all(model, ensemble.signals, ensemble.followers)](
                const RealizationRange& batch, const std::function<void()>& check, EnsembleTotals& own) {
