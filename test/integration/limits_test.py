@@ -4,6 +4,8 @@
 import csv
 import io
 import json
+import os
+import tempfile
 import unittest
 
 import numpy as np
@@ -61,11 +63,11 @@ class Model:
 
 class Limits(Model, FolderTest):
     def trajectories(self, **settings):
-        settings = dict({"model": self.path("model.yaml"), "followers": 6, "steps": 600, "realizations": 5, "output": self.path("only")},
-                        **settings)
-        done = live_platoon.tool("monte_carlo", trajectories=self.path("t.csv"), only=3, **settings)
+        settings = dict({"model": self.path("model.yaml"), "followers": 6, "steps": 600, "realizations": 5, "only": 3,
+                         "output": tempfile.mkdtemp(dir=self.folder)}, **settings)
+        done = live_platoon.tool("monte_carlo", "--trajectories", **settings)
         self.assertEqual(done.returncode, 0, done.stderr + done.stdout)
-        with open(self.path("t.csv")) as file:
+        with open(os.path.join(settings["output"], "trajectories.csv")) as file:
             rows = list(csv.DictReader(file))
         return lambda key: np.array([float(row[key] or "nan") for row in rows]).reshape(settings["followers"] + 1, -1)
 

@@ -87,7 +87,7 @@ TEST(SignalNames, AreSorted) {
 TEST(SignalNames, RejectOtherTexts) {
   for (const std::string text : {"gap,distance", "gap,gap", ",", "gap,", "gap,,speed", " ", "Gap"}) {
     EXPECT_EQ(message_of<std::invalid_argument>([&text] { signal_names(text); }),
-              "signals: " + text + ": must be some of gap, speed, acceleration, jerk, each once, separated by commas");
+              "signals: " + text + ": must be some of gap, speed, acceleration, jerk, input, each once, separated by commas");
   }
 }
 

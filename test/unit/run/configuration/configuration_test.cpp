@@ -103,7 +103,7 @@ TEST_F(ConfigurationTest, NamesEveryUnknownSetting) {
 }
 
 TEST_F(ConfigurationTest, NamesAMissingModelFile) {
-  const std::string shipped = ": no such file: must be a model file, or one of the shipped acc.yaml, acc_path.yaml, ";
+  const std::string shipped = ": no such file: must be a model file, or one of the shipped acc.yaml, acc_limits.yaml, ";
   EXPECT_TRUE(is_problem(problems_with({{"model", "cac.yaml"}}), "model: cac.yaml" + shipped));
   EXPECT_EQ(problems_of([] { configuration_document({{"model", ""}}); }).size(), 1u);
 }

@@ -143,7 +143,7 @@ TEST(RunOptions, NameAnInvalidSignal) {
   for (const char* given : {"distance", "gap,", "gap,gap", ",gap", "gap speed", "Gap"}) {
     EXPECT_EQ(problems_with("signals", given),
               Problems{std::string("run/signals: ") + given +
-                       ": must be some of gap, speed, acceleration, jerk, each once, separated by commas"});
+                       ": must be some of gap, speed, acceleration, jerk, input, each once, separated by commas"});
   }
 }
 

@@ -103,7 +103,7 @@ TEST(SweepFile, FindsShippedModelsAndDrivesByTheirNames) {
             varied.configuration(0).model.recorded_leader);
   EXPECT_TRUE(
       contains(rejection("vary: {leader: [cit.csv]}\n"),
-               "cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, motorway.csv"));
+               "cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, emergency_stop.csv, motorway.csv"));
 }
 
 TEST(SweepFile, FindsTablesOfLossesBesideIt) {
