@@ -52,10 +52,13 @@ LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* k
   loop_zeros_ = static_cast<std::ptrdiff_t>(factor_.factor.zeros.size());
   for (const LinkFilter& link : links_) {
     if (!link.has_losses()) continue;
-    const GainFactor losses = link.losses().factor();
-    GainFactor& factor = factor_.factor;
-    factor.poles.insert(factor.poles.end(), losses.poles.begin(), losses.poles.end());
-    if (links_.size() == 1) factor.zeros.insert(factor.zeros.end(), losses.zeros.begin(), losses.zeros.end());
+    const GainFactor& losses = link.losses().factor();
+    if (links_.size() == 1) {
+      factor_.exact = losses;
+    } else {
+      std::vector<std::complex<long double>>& poles = factor_.factor.poles;
+      poles.insert(poles.end(), losses.poles.begin(), losses.poles.end());
+    }
     if (!designed_ && !link.has_memory()) factor_.rounded.push_back(z_form(link.losses().registers()));
   }
   if (designed_) return;
@@ -189,6 +192,8 @@ int LinkedVehicle::feed_forward_zeros() const {
 
 std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
   std::vector<std::complex<double>> found = frequencies_of(factor_.factor.poles);
+  const std::vector<std::complex<double>> of_losses = frequencies_of(factor_.exact.poles);
+  found.insert(found.end(), of_losses.begin(), of_losses.end());
   for (const LinkFilter& link : links_) {
     for (const std::complex<double>& w : link.noise_frequencies()) found.push_back(w);
   }

@@ -4,6 +4,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
@@ -15,11 +16,17 @@ namespace platoon {
 namespace {
 
 constexpr int kMostZeros = 8;
+constexpr double kExact =
+    static_cast<double>(std::numeric_limits<long double>::epsilon()) / std::numeric_limits<double>::epsilon();
 
 std::vector<GainFactor> plain(const std::vector<RatedFactor>& factors) {
   std::vector<GainFactor> result;
-  result.reserve(factors.size());
-  for (const RatedFactor& factor : factors) result.push_back(factor.factor);
+  result.reserve(2 * factors.size());
+  for (const RatedFactor& factor : factors) {
+    result.push_back(factor.factor);
+    result.push_back(factor.exact);
+    result.back().count = factor.factor.count;
+  }
   return result;
 }
 
@@ -68,8 +75,11 @@ double PatternGain::spread_of_places(double frequency) const {
   double sum = 0.0;
   for (const RatedFactor& factor : factors_) {
     double spread_of_factor = 0.0;
-    for (const auto* places : {&factor.factor.poles, &factor.factor.zeros}) {
-      for (const std::complex<long double>& s : *places) spread_of_factor += spread(std::complex<double>(s), t, order);
+    for (const auto& [part, accuracy] : {std::make_pair(&factor.factor, 1.0), std::make_pair(&factor.exact, kExact)}) {
+      for (const auto* places : {&part->poles, &part->zeros}) {
+        for (const std::complex<long double>& s : *places)
+          spread_of_factor += accuracy * spread(std::complex<double>(s), t, order);
+      }
     }
     sum += static_cast<double>(factor.factor.count) * spread_of_factor;
   }
@@ -133,7 +143,9 @@ PatternGain::Peak PatternGain::peak() const {
 std::vector<double> PatternGain::maxima() const {
   std::vector<std::complex<double>> singular;
   for (const RatedFactor& factor : factors_) {
-    for (const std::complex<double>& w : frequencies_of(factor.factor.poles)) singular.push_back(w);
+    for (const auto* poles : {&factor.factor.poles, &factor.exact.poles}) {
+      for (const std::complex<double>& w : frequencies_of(*poles)) singular.push_back(w);
+    }
   }
   // The nodes resolve every factor except where it is small: between two of them the slope turns at most once.
   std::vector<double> nodes = half_circle_quadrature(singular, {}).node;

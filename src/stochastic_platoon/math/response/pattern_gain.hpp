@@ -25,6 +25,7 @@ struct RatedFactor {
   std::vector<Polynomial> rounded;                        ///< by powers of z; all multiply or divide T
   std::shared_ptr<const RealizationRounding> given = {};  ///< A, B and C, if the loop was given by them
   long double gain_at_one = 1.0L;  ///< |T(1)|: given A, B and C have T(1) = 1 to their number of digits only
+  GainFactor exact = {};  ///< further poles and zeros of T, rounded to long double only; count stays that of `factor`
 };
 
 /// The factor of a closed loop. Throws std::invalid_argument if T has a pole or a zero at z = 1.

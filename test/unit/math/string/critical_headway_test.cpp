@@ -184,5 +184,25 @@ TEST(CriticalHeadway, NeverContradictsTheVerdictAtAGivenHeadway) {
   }
 }
 
+// Reference: the headway at which the leading coefficient of 1 - |T^|^2 vanishes, in 120 digits. The poles of long
+// bursts are within 4e-5 of 1 and nearly cancel the zeros beside them.
+TEST(CriticalHeadway, IsExactBehindLongBurstsThatAreExtrapolated) {
+  const auto margin_at = [](double headway) {
+    const TransferFunction plant(Polynomial::Ones(1),
+                                 Eigen::Vector4d(1.0, -1.753173828125, 0.50634765625, 0.246826171875));
+    const TransferFunction controller(Eigen::Vector2d(0.10182026425553087, -0.0018321166112019148) / (1.0 + headway),
+                                      Eigen::Vector2d(1.0, -0.239013671875));
+    PlatoonModel model = model_with(close_loop({plant, controller}, headway), headway);
+    model.default_vehicle().link.delay = 2;
+    model.default_vehicle().link.loss = LossModel{2.5036930568425227e-11, 27941.186482832378, {2.0, -1.0}};
+    return LinkedPattern(model).gain_margin();
+  };
+  EXPECT_GT(margin_at(18.9805597009), 0.0);
+  EXPECT_LT(margin_at(18.9805590), 0.0);
+  const StableHeadways found = stable_headways(margin_at, {});
+  ASSERT_TRUE(found.critical.has_value());
+  EXPECT_NEAR(*found.critical, 18.9805593782, 4e-9);
+}
+
 }  // namespace
 }  // namespace platoon
