@@ -15,8 +15,8 @@ ROWS = "must be a list of rows of finite numbers, all of one length"
 MAPPING = "must be a mapping of keys"
 COUNT = "must be a whole number from {} to 70368744177664"
 HUGE = "must be at most 1e+100 in magnitude"
-ALLOWED = ("allowed are allow_unstable, channel, closed_loop, controller, initial_position, inputs, leader, noise_variance, plant, safe_gap, "
-           "sample_period, standstill_distance, string, time_headway, time_headway_seconds, vehicle_length, vehicle_types")
+ALLOWED = ("allowed are allow_unstable, channel, closed_loop, controller, initial_position, inputs, leader, limits, noise_variance, plant, safe_gap, "
+           "sample_period, standstill_distance, start, string, time_headway, time_headway_seconds, vehicle_length, vehicle_types")
 
 # A part of the paper's model file, its replacement, and the message.
 REPLACED = [
@@ -182,7 +182,7 @@ ARGUMENTS = [
     ("model", "/dev/zero", "model: /dev/zero: must be a regular file of at most 256 MB that can be read (a device)"),
     ("model", "", "model: (empty): no such file: must be a model file"),
     ("model", "a" * 300, "must be a regular file of at most 256 MB that can be read (File name too long)"),
-    ("leader", "cit.csv", "leader/file: cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, motorway.csv"),
+    ("leader", "cit.csv", "leader/file: cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, emergency_stop.csv, motorway.csv"),
     ("leader", "/dev/zero", "leader/file: /dev/zero: must be a regular file of at most 256 MB that can be read (a device)"),
     ("leader", "a" * 300, "must be a regular file of at most 256 MB that can be read (File name too long)"),
     ("record", "/tmp/" + "a" * 300 + ".bag", ".bag: File name too long: must be a new file"),

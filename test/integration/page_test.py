@@ -118,6 +118,23 @@ class States(Fed):
             self.text_comes("#road-note", "1 overlapping: 3")
             self.wait_for_page("document.getElementById('road').dataset.overlaps === '3'", "the mark")
 
+    def test_what_the_cars_do_stands_beside_the_verdict(self):
+        self.begin(20, vehicle_length=4.5)
+        self.drive(range(BURN_IN, BURN_IN + 21))
+        self.open()
+        self.text_comes("#conduct", "\N{CHECK MARK} The cars: no collision, no reversing; strongest acceleration so far ")
+        of = snapshot(BURN_IN + 21, 20)
+        of.position = [600.0 - 6.4 * i - (2.0 if i == 2 else 0.0) for i in range(21)]
+        of.speed = [20.0] * 20 + [-3.0]
+        self.state.take_snapshot(of)
+        for _ in self.at_both_sizes("conduct"):
+            self.text_comes("#conduct", "\N{BALLOT X} The cars: follower 3 overlaps the vehicle ahead; follower 20 reverses; strongest acceleration so far -2")
+            self.assertEqual(self.browser.run("return document.getElementById('conduct').dataset.possible"), "false")
+            self.wait_for_page("document.getElementById('road').dataset.overlaps === '3'", "the mark")
+            self.assertEqual(self.browser.text("#body-length"), "gap below 0, length 4.5 m")
+        self.begin(20)
+        self.wait_for_page("document.getElementById('conduct').hidden", "nothing of the previous run")
+
     def test_header_and_strip_show_the_same_step(self):
         self.begin(20)
         self.drive(range(BURN_IN, BURN_IN + 58))

@@ -133,7 +133,7 @@ class Signals(LaunchTest):
 
     def test_bad_input_is_named(self):
         for options, message in (
-                (dict(signals="distance"), "run/signals: distance: must be some of gap, speed, acceleration, jerk, each once"),
+                (dict(signals="distance"), "run/signals: distance: must be some of gap, speed, acceleration, jerk, input, each once"),
                 (dict(only=REALIZATIONS, trajectories="true"), "only: 4000: must be a whole number from 0 to 3999"),
                 (dict(only=3), "only: given: must be with --only and --trajectories"),
                 (dict(only=-1, trajectories="true"), "only: -1: must be a whole number from 0 to 3999")):

@@ -11,6 +11,7 @@ import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
 from plot_files import PlotTest, plot  # noqa: E402
+from plotting import gaps  # noqa: E402
 
 HEADWAY, GAIN, NOISE, STANDSTILL, PERIOD = 3.2, 1.35, 0.6, 2.0, 0.1
 SIGMA = np.sqrt(0.169296)  # [m] of follower 1's gap in the steady state
@@ -45,6 +46,14 @@ def smallest_gaps(followers, steps, realizations, **options):
     return smallest, steps_of
 
 
+class Distances(unittest.TestCase):
+    def test_of_r157_and_rss(self):
+        self.assertAlmostEqual(gaps.regulation_distance(25.0), 47.5, 12)  # 1.9 s
+        self.assertAlmostEqual(gaps.regulation_distance(1.0), 2.0, 12)
+        # 25 m and 1.75 m during the response, then 28.5 m/s to rest at 4 m/s^2, behind 25 m/s to rest at 8 m/s^2.
+        self.assertAlmostEqual(gaps.responsibility_distance(25.0), 26.75 + 28.5 ** 2 / 8.0 - 625.0 / 16.0, 12)
+
+
 class GapTest(PlotTest):
     def gap_table(self, smallest, steps_of, bounds=None, safe_gap=None):
         bins = np.floor(smallest / WIDTH).astype(int)
@@ -59,11 +68,12 @@ class GapTest(PlotTest):
                 [(bins[row] == number).sum() for number in numbers]))
         return "\n".join(lines) + "\n"
 
-    def make_gaps(self, name="gaps", text=None, followers=3, realizations=200, safe_gap=None, bounds=None, summary_followers=None, **options):
+    def make_gaps(self, name="gaps", text=None, followers=3, realizations=200, safe_gap=None, bounds=None, summary_followers=None, model=None,
+                  **options):
         if text is None:
             text = self.gap_table(*smallest_gaps(followers, 30, realizations, **options), bounds=bounds, safe_gap=safe_gap)
         return self.make_run(name, followers=summary_followers or followers, realizations=realizations, tables={"gaps.csv": text},
-                             configuration={"model": {} if safe_gap is None else {"safe_gap": safe_gap}})
+                             configuration={"model": dict(model or {}, **({} if safe_gap is None else {"safe_gap": safe_gap}))})
 
     def make_collisions(self, followers=3, name="analysis.json", **changes):
         probability = [NormalDist().cdf(-STANDSTILL / SIGMA / np.sqrt(1.0 + 4.2 * i / (i + 1))) for i in range(followers)]
@@ -110,6 +120,15 @@ class Gaps(GapTest):
         for name in ("near: per realization, measured", "near: per realization, upper bound by theory", "far: none in 200: upper limit"):
             self.assertIn(name, labels)
         self.assert_rejects("gaps", *paths, "--analysis", self.make_collisions(), saying=["--analysis: must be one for each of the 2 runs, not 1"])
+
+    def test_the_distances_of_r157_and_rss_stand_beside_at_the_top_speed_of_the_leader(self):
+        of = sp.Results.load(self.make_gaps(standstill=40.0, model={"sample_period": 0.1, "leader": {"speed": [
+            {"from_step": 0, "value": 5.0}, {"from_step": 2, "value": 16.0}, {"from_step": 4000, "value": 40.0}]}}))
+        labels = [text.get_text() for text in plot.gaps.draw([of], [], []).axes[0].get_legend().get_texts()]
+        self.assertIn("R157 at 16 m/s: 25.2 m", labels)
+        self.assertIn("RSS at 16 m/s: 49.3 m", labels)
+        drive = {"sample_period": 0.1, "leader": {"positions": [0.0, 1.5, 3.1, 4.0]}}
+        self.assertAlmostEqual(gaps.top_speed(sp.Results.load(self.make_gaps("drive", model=drive))), 16.0, 9)
 
     def test_gaps_without_theory_are_drawn(self):
         self.assert_draws("gaps", self.make_gaps())

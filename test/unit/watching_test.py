@@ -10,7 +10,7 @@ import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
 from watching_messages import NAN, configuration, endless, message, overview, snapshot, table_of  # noqa: E402
-from watching import description, state, table  # noqa: E402
+from watching import conduct, description, state, table  # noqa: E402
 
 
 class Configuration(unittest.TestCase):
@@ -29,6 +29,49 @@ class Configuration(unittest.TestCase):
         known = state.PlatoonState()
         known.take_configuration(message(data=configuration().data.replace(sp.__version__, "0.1.9")))
         self.assertIn("version: 0.1.9: must be " + sp.__version__, " ".join(table.table(known.document(), 24)))
+
+
+class Conduct(unittest.TestCase):
+    def taken(self, *snapshots, lengths=(4.0, 4.0, 4.0)):
+        of = conduct.Conduct(lengths, 0.1)
+        for realization, step, position, speed in snapshots:
+            of.take(message(realization=realization, step=step, position=position, speed=speed))
+        return of.document()
+
+    def test_collisions_are_gaps_below_0_and_are_remembered(self):
+        apart, touching = [20.0, 10.0, 0.0], [20.0, 16.1, 12.1]
+        self.assertEqual(self.taken((0, 1, apart, [5.0] * 3))["colliding"], [])
+        now = self.taken((0, 1, touching, [5.0] * 3))
+        self.assertEqual((now["colliding"], now["collided"], now["possible"]), ([1], 1, False))
+        later = self.taken((0, 1, touching, [5.0] * 3), (0, 2, apart, [5.0] * 3))
+        self.assertEqual((later["colliding"], later["collided"], later["possible"]), ([], 1, False))
+        self.assertEqual(conduct.conduct_words(later)[:28], "1 follower overlapped earlie")
+        self.assertEqual(self.taken((0, 1, touching, [5.0] * 3), lengths=(0.0,) * 3)["colliding"], [])
+
+    def test_a_follower_that_drives_backwards_reverses(self):
+        apart = [20.0, 10.0, 0.0]
+        self.assertEqual(self.taken((0, 1, apart, [0.0, -0.05, -0.2]))["reversing"], [2])
+        self.assertIn("followers 1, 2 reverse", conduct.conduct_words(self.taken((0, 1, apart, [0.0, -1.0, -2.0]))))
+
+    def test_the_strongest_acceleration_is_over_the_time_between_two_snapshots(self):
+        apart = [20.0, 10.0, 0.0]
+        of = self.taken((0, 1, apart, [5.0] * 3), (0, 3, apart, [0.0, 4.5, 5.2]))  # the leader is no follower
+        self.assertEqual(of["strongest"], {"acceleration": -2.5, "follower": 1, "step": 3})
+        self.assertTrue(of["possible"])
+        self.assertFalse(self.taken((0, 1, apart, [5.0] * 3), (0, 2, apart, [5.0, 5.0, 3.9]))["possible"])
+        for other in ((1, 2), (0, 0), (0, 9)):  # another realization, an earlier step, a snapshot too late
+            self.assertIsNone(self.taken((0, 1, apart, [5.0] * 3), (*other, apart, [0.0] * 3))["strongest"])
+
+    def test_the_table_and_the_document_have_it(self):
+        known = state.PlatoonState()
+        known.take_configuration(configuration(vehicle_length=7.0))
+        self.assertIsNone(known.document()["conduct"])
+        known.take_overview(overview(), 0.0)
+        known.take_snapshot(snapshot(3))
+        self.assertEqual(known.document()["conduct"]["colliding"], [1, 2, 3])
+        self.assertIn("Now: followers 1, 2, 3 overlap the vehicles ahead", table.table(known.document(), 24))
+        known.take_configuration(configuration(vehicle_length=5.0))
+        self.assertIsNone(known.document()["conduct"])
 
 
 class State(unittest.TestCase):

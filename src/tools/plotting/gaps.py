@@ -59,6 +59,7 @@ def draw(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis], titles: Se
             name, style.verdict(run.string_stable), style.counted(realizations_of(run.gaps)), run.seed,
             "" if run.complete else ", incomplete run", worst_in_words(run)), WIDE_LINE))
         draw_distribution(axes[0, column], run.gaps)
+        draw_distances(axes[0, column], top_speed(run))
         looks = LOOKS if len(runs) == 1 else Looks(style.colour(column), style.colour(column), style.colour(column), style.marker(column))
         draw_probabilities(chances, run.gaps, analyses[column] if analyses else None, looks, "" if len(runs) == 1 else name + ": ")
     share_limits(axes[0, :-1])
@@ -131,6 +132,48 @@ def draw_distribution(axes: Axes, gaps: sp.Gaps) -> None:
     if np.isfinite(gaps.safe_gap):
         axes.axhline(gaps.safe_gap, color=SAFE, linewidth=1.2, linestyle=style.DASHED, label="safe gap {:g} m".format(gaps.safe_gap))
     axes.set_ylabel("smallest gap of a realization [m]")
+
+
+def top_speed(run: sp.Results) -> float:
+    """The largest speed of the leader by its drive or profile [m/s]; NaN for a model without sample period."""
+    leader, period = run.summary["configuration"]["model"].get("leader", {"speed": []}), style.period_of(run)
+    if np.isnan(period):
+        return period
+    if "positions" in leader:
+        return float(np.diff(np.array(leader["positions"], dtype=float)).max() / period)
+    return max([float(part["value"]) for part in leader["speed"] if part["from_step"] <= run.steps.max()], default=0.0)
+
+
+def regulation_distance(speed: float) -> float:
+    """Distance [m] behind another vehicle above 10 km/h: (1 s + v / (100 km/h) s) v, at least 2 m.
+
+    Source: Regulation::MinDist of esmini's ControllerALKS_R157SM, after UN R157, 5.2.3.3."""
+    return max(speed * (1.0 + 3.6 * speed / 100.0), 2.0)
+
+
+def responsibility_distance(speed: float) -> float:
+    """Safe longitudinal distance [m] of Responsibility-Sensitive Safety at equal speeds v.
+
+    v r + a r^2 / 2 + (v + a r)^2 / (2 b) - v^2 / (2 c), at least 0: response time r = 1 s, then brakes of at least b = 4 m/s^2 behind
+    a vehicle that brakes with at most c = 8 m/s^2; a = 3.5 m/s^2 during the response. Source: Shalev-Shwartz, Shammah, Shashua (2017);
+    values as Apollo sets them in ad-rss-lib (rss_config_default_dynamics)."""
+    response, acceleration, own, ahead = 1.0, 3.5, 4.0, 8.0
+    after = speed + acceleration * response
+    return max(speed * response + 0.5 * acceleration * response ** 2 + after ** 2 / (2.0 * own) - speed ** 2 / (2.0 * ahead), 0.0)
+
+
+def draw_distances(axes: Axes, speed: float) -> None:
+    """Draws the distances of R157 and RSS at a speed above 10 km/h; the axis contains those below twice its largest gap."""
+    if not 3.6 * speed >= 10.0:
+        return
+    high = axes.get_ylim()[1]
+    for name, distance, colour in (("R157", regulation_distance(speed), style.PALETTE[3]), ("RSS", responsibility_distance(speed), style.PALETTE[4])):
+        label = "{} at {:.3g} m/s: {:.3g} m".format(name, speed, distance)
+        if distance <= 2.0 * high:
+            axes.axhline(distance, color=colour, linewidth=1.2, linestyle=":", label=label)
+            axes.set_ylim(min(axes.get_ylim()[0], 0.95 * distance), max(axes.get_ylim()[1], 1.05 * distance))
+        else:
+            axes.plot([], [], color=colour, linewidth=1.2, linestyle=":", label=label + ", above")
 
 
 def draw_probabilities(axes: Axes, gaps: sp.Gaps, analysis: Optional[sp.Analysis], looks: Looks, of: str) -> None:

@@ -33,7 +33,7 @@ def report_start(state: PlatoonState, namespace: str) -> None:
         rospy.rostime.wallsleep(POLL)
 
 
-def listen(state: PlatoonState, snapshots: bool = True) -> None:
+def listen(state: PlatoonState, received: bool = True) -> None:
     """Subscribes the state to the topics of its namespace. Short queues drop old messages, so memory stays bounded."""
     namespace = "/{}/".format(state.namespace) if state.namespace else "/"
 
@@ -43,17 +43,17 @@ def listen(state: PlatoonState, snapshots: bool = True) -> None:
     subscribe(namespace + "configuration", String, state.take_configuration)
     subscribe(namespace + "overview", Overview, lambda message: state.take_overview(message, time.monotonic()))
     subscribe("/diagnostics", DiagnosticArray, state.take_diagnostics, queue_size=20)
-    if snapshots:
+    subscribe(namespace + "snapshot", Snapshot, state.take_snapshot, queue_size=2)
+    if received:
         subscribe(namespace + "predecessor_snapshot", Snapshot, state.take_received, queue_size=5)
-        subscribe(namespace + "snapshot", Snapshot, state.take_snapshot, queue_size=2)
     threading.Thread(target=report_start, args=(state, namespace), daemon=True).start()
 
 
 def observe(program: str, namespace: str) -> PlatoonState:
-    """The state of a platoon, without its snapshots, for a program beside the launch. Raises ValueError without a master."""
+    """The state of a platoon, without the received positions, for a program beside the launch. Raises ValueError without a master."""
     if not rosgraph.is_master_online():
         raise ValueError("there is no ROS master at {}: launch a platoon, or set ROS_MASTER_URI".format(rosgraph.get_master_uri()))
     rospy.init_node(program, anonymous=True, disable_rosout=True)
     state = PlatoonState(namespace=namespace.strip("/"))
-    listen(state, snapshots=False)
+    listen(state, received=False)
     return state

@@ -10,6 +10,7 @@ import math
 import threading
 from typing import Any, Callable, Deque, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
+from .conduct import Conduct, conduct_words
 from .description import described, start_of
 from .events import EventLog, is_paused
 from .history import Rate, ThinnedHistory
@@ -46,7 +47,7 @@ def drawn_followers(followers: int) -> List[int]:
 class PlatoonState:
     """Takes messages from any thread. Calls changed(kind) after each message that changes the state, without holding the lock."""
 
-    KINDS = ("configuration", "statistics", "curves", "snapshot", "received", "health", "log")
+    KINDS = ("configuration", "statistics", "curves", "snapshot", "received", "conduct", "health", "log")
 
     def __init__(self, changed: Callable[[str], None] = lambda kind: None, namespace: str = "platoon") -> None:
         self.lock = threading.RLock()
@@ -72,6 +73,7 @@ class PlatoonState:
         self.latest: Deque[Dict[str, Any]] = collections.deque(maxlen=STRIP)  # snapshots
         self.received: Optional[Dict[str, Any]] = None
         self.snapshot: Optional[Dict[str, Any]] = None
+        self.conducted = None if configuration is None else Conduct(configuration["vehicle_lengths"], configuration["sample_period"])
 
     def report(self, *kinds: str) -> None:
         """Reports changes of these kinds, and of the log."""
@@ -141,7 +143,8 @@ class PlatoonState:
                              "tracking_error": rounded(message.tracking_error), "speed": rounded(message.speed)}
             if message.step >= 0:
                 self.latest.append(self.snapshot)
-        self.changed("snapshot")
+            news = self.conducted is not None and message.step >= 0 and self.conducted.take(message)
+        self.report("snapshot", *(("conduct",) if news else ()))
 
     def take_diagnostics(self, message: Any) -> None:
         """Takes the status of this platoon's monitor from a diagnostic_msgs/DiagnosticArray and ignores all others."""
@@ -181,6 +184,14 @@ class PlatoonState:
     @property
     def health(self) -> Dict[str, Any]:
         return {"culprit": self.culprit, "retries": self.retries, "start": self.start}
+
+    @property
+    def conduct(self) -> Optional[Dict[str, Any]]:
+        """What the vehicles do; None before the first snapshot."""
+        if self.conducted is None or self.conducted.before is None:
+            return None
+        of = self.conducted.document()
+        return dict(of, words=conduct_words(of))
 
     @property
     def log(self) -> List[Dict[str, Any]]:
@@ -238,4 +249,4 @@ class PlatoonState:
             nothing: Dict[str, Any] = {
                 **{name: None for name in ("followers", "step", "realizations", "string_stable", "limit_variance", "max_abs_z")},
                 **{name: [] for name in ("mean", "variance", "theoretical_variance", *GAPS)}}
-            return {**nothing, **(self.configuration or {}), **(self.statistics or {}), **self.health, "events": self.log}
+            return {**nothing, **(self.configuration or {}), **(self.statistics or {}), **self.health, "conduct": self.conduct, "events": self.log}

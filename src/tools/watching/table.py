@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, Optional
 
 HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
-AROUND = 8  # lines other than the followers' rows
+AROUND = 9  # lines other than the followers' rows
 
 
 def cell(value: Optional[float], width: int, form: str) -> str:
@@ -48,6 +48,7 @@ def heading(state: Dict[str, Any]) -> List[str]:
         second += ", {:.0f} s left".format(state["seconds_left"])
     limit = "" if state["limit_variance"] is None else "; limit {:.6g} m^2".format(state["limit_variance"])
     return [first, "Theory: {}{}".format(state["reason"], limit), second + (", complete" if state["complete"] else ""),
+            *(["Now: " + state["conduct"]["words"]] if state["conduct"] else []),
             *("Warning: " + warning for warning in state["warnings"])]
 
 

@@ -11,11 +11,11 @@ const char* to_string(Clause clause) {
       "Its answer carries the stamp of the message of the same step.",
       "It publishes every step of a batch once, from -1 on, and nothing on a message out of turn.",
       "A newer attempt begins at its step -1, and nothing of an older one is answered.",
-      "On step -1 it stands at its initial position and has forgotten everything: the same messages, the same positions.",
+      "On step -1 it is at its initial position, at rest or steadily at the speed V, and has forgotten everything: the same messages, the same positions.",
       "Its position at a step depends on the messages before that step only.",
       "Its queues drop nothing: unbounded, with tcpNoDelay.",
       "Its answer carries the message's run; a step -1 of another run begins that run, and nothing else of another run is answered.",
-      "It keeps the run's standstill distance delta and headway h: behind a predecessor that drives v per step, the distance settles at delta + h v.",
+      "It keeps the run's standstill distance delta and headway h: behind a predecessor that drives v per step, the distance settles at delta + h v. A steady start begins there, with v = V T_s.",
   };
   return kSentences[static_cast<std::size_t>(clause)];
 }

@@ -13,7 +13,7 @@ import { Strip } from "./strip.js";
 import { TABLES } from "./tables.js";
 
 const at = id => document.getElementById(id);
-const known = { configuration: null, statistics: null, curves: null, health: null, log: [] };
+const known = { configuration: null, statistics: null, curves: null, conduct: null, health: null, log: [] };
 const stale = new Set();
 let chosen = null, live = "connecting", source = null;
 
@@ -30,9 +30,9 @@ const everything = () => ["string", "gaps", "curves", "strip", "words", "facts",
 const take = {
   configuration(news) {
     if (JSON.stringify(news) === JSON.stringify(known.configuration)) return;
-    Object.assign(known, { configuration: news, statistics: null, curves: null });
+    Object.assign(known, { configuration: news, statistics: null, curves: null, conduct: null });
     strip.replace([]);
-    road.reset();
+    road.reset(news?.vehicle_lengths);
     chosen = null;
     controls.take(news);
     everything();
@@ -42,6 +42,7 @@ const take = {
   health(news) { known.health = news; stale.add("words"); },
   log(news) { known.log = news; stale.add("log"); },
   strip(news) { strip.replace(news); stale.add("strip"); },
+  conduct(news) { known.conduct = news; stale.add("words"); },
   received(news) { road.takeReceived(news); },
   snapshot(news) {
     road.take(news, performance.now());

@@ -4,7 +4,7 @@ import { css, followerColour, inkOn } from "./colours.js";
 import { canvasOf, label, niceTicks, short } from "./scale.js";
 
 const LEAST_GAP = 5.0;  // [m]
-const LENGTH = 4.2;     // [m] length of a drawn vehicle, below its largest width; vehicles in the model are points
+const LENGTH = 4.2;     // [m] length of a drawn vehicle if those of the model are points
 const WIDTH = 1.6;
 const FOOT = 22;        // [px] below the lanes, for the scale
 
@@ -21,7 +21,9 @@ export class Road {
     this.reset();
   }
 
-  reset() {
+  // lengths: of the vehicles [m]; 0 for those that are points
+  reset(lengths = this.lengths ?? []) {
+    this.lengths = lengths;
     this.before = this.present = null;
     this.received = [];
     this.shown = [];  // the latest snapshots
@@ -77,21 +79,23 @@ export class Road {
     this.canvas.style.height = `${count * lane + FOOT}px`;
   }
 
-  // [m]: drawn vehicles stay apart in a dense string.
-  bodyLength() {
-    return Math.min(LENGTH, 0.75 * (this.gap ?? LEAST_GAP));
+  // [m]: drawn points stay apart in a dense string.
+  bodyLength(i) {
+    return this.lengths[i] || Math.min(LENGTH, 0.75 * (this.gap ?? LEAST_GAP));
   }
 
   // Followers that overlap the vehicle ahead, or have passed it.
   overlapping(position) {
-    return position.flatMap((p, i) => i > 0 && position[i - 1] - p < this.bodyLength() ? [i] : []);
+    return position.flatMap((p, i) => i > 0 && position[i - 1] - p < this.bodyLength(i - 1) ? [i] : []);
   }
 
   // Speeds and overlaps in words.
   describe(note, length, key) {
     const of = this.present;
     key.hidden = this.canvas.dataset.speeds !== "true";
-    length.textContent = `${short(this.bodyLength(), 2)} m`;
+    const longest = Math.max(...this.lengths, 0), shortest = Math.min(...this.lengths, longest);
+    length.textContent = longest === 0 ? `nearer than ${short(this.bodyLength(0), 2)} m` :
+      longest === shortest ? `gap below 0, length ${short(longest, 3)} m` : "gap below 0";
     note.textContent = "";
     if (!of?.speed.length) return;
     const [leader, ...others] = of.speed, over = this.overlapping(of.position), fixed = v => v.toFixed(1);
@@ -107,14 +111,15 @@ export class Road {
     const wanted = Math.max(usualGap(position), LEAST_GAP);
     this.gap = this.gap === null ? wanted : this.gap + 0.02 * (wanted - this.gap);
     const metre = Math.min(width / (across + 1.2) / this.gap, lane * 0.34 / WIDTH);
-    const long = Math.max(this.bodyLength() * metre, 4), broad = Math.min(lane * (speeds ? 0.3 : 0.34), 0.6 * long);
+    const longOf = i => Math.max(this.bodyLength(i) * metre, 4);
     const over = new Set(this.overlapping(position));
     for (let row = 0; row < count; ++row) this.drawLane(context, row, lane, width, metre, position, across, n);
     for (let i = 0; i <= n; ++i) {
       const row = Math.floor(i / across), x = this.x[row] + (position[i] - position[0]) * metre, middle = row * lane + lane * (speeds ? 0.24 : 0.36);
+      const long = longOf(i), broad = Math.min(lane * (speeds ? 0.3 : 0.34), Math.max(0.6 * Math.min(long, LENGTH * metre), 4));
       if (x < -long || x > width + long) continue;
       this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i);
-      if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre);
+      if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre, longOf(i - 1));
       if (speeds && this.present.speed[i] !== undefined)
         label(context, this.present.speed[i].toFixed(1), x - long / 2, row * lane + lane * 0.84, "center", { font: "11px" });
     }
@@ -156,10 +161,10 @@ export class Road {
     }
   }
 
-  drawOverlap(context, x, middle, long, broad, ahead) {
+  drawOverlap(context, x, middle, long, broad, ahead, longAhead) {
     context.fillStyle = context.strokeStyle = css("--alarm");
     context.globalAlpha = 0.55;
-    const rear = Math.min(Math.max(x + ahead - long, x - long), x);
+    const rear = Math.min(Math.max(x + ahead - longAhead, x - long), x);
     context.fillRect(rear, middle - broad / 2, Math.max(Math.min(x, x + ahead) - rear, 2), broad);
     context.globalAlpha = 1;
     context.lineWidth = 2;

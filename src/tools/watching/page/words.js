@@ -20,7 +20,10 @@ function averagesOf(of, run, health) {
   return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
 }
 
-export function showHeadline({ configuration, statistics, health }, live) {
+export function showHeadline({ configuration, statistics, conduct, health }, live) {
+  at("conduct").hidden = !conduct;
+  write(at("conduct"), conduct ? `${conduct.possible ? "✓" : "✗"} The cars: ${conduct.words}` : "");
+  at("conduct").dataset.possible = conduct?.possible ?? null;
   const stable = statistics?.string_stable ?? null;
   if (configuration) {
     const verdict = !statistics ? "Starting" : stable === null ? (statistics.theory === "exact" ? "Undecided" : "No theory") : stable ? "✓ String stable" : "✗ Not string stable";

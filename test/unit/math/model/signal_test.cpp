@@ -86,8 +86,9 @@ TEST(SignalNames, AreSorted) {
 
 TEST(SignalNames, RejectOtherTexts) {
   for (const std::string text : {"gap,distance", "gap,gap", ",", "gap,", "gap,,speed", " ", "Gap"}) {
-    EXPECT_EQ(message_of<std::invalid_argument>([&text] { signal_names(text); }),
-              "signals: " + text + ": must be some of gap, speed, acceleration, jerk, input, each once, separated by commas");
+    EXPECT_EQ(
+        message_of<std::invalid_argument>([&text] { signal_names(text); }),
+        "signals: " + text + ": must be some of gap, speed, acceleration, jerk, input, each once, separated by commas");
   }
 }
 

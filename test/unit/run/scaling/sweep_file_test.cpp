@@ -101,9 +101,9 @@ TEST(SweepFile, FindsShippedModelsAndDrivesByTheirNames) {
   EXPECT_EQ(varied.name_of(0), "leader = city.csv, seed = 1");
   EXPECT_EQ(sweep_of("vary: {leader/file: [city.csv]}\n").configuration(0).model.recorded_leader,
             varied.configuration(0).model.recorded_leader);
-  EXPECT_TRUE(
-      contains(rejection("vary: {leader: [cit.csv]}\n"),
-               "cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, emergency_stop.csv, motorway.csv"));
+  EXPECT_TRUE(contains(
+      rejection("vary: {leader: [cit.csv]}\n"),
+      "cit.csv: no such file: must be a table of a drive, or one of the shipped city.csv, emergency_stop.csv, motorway.csv"));
 }
 
 TEST(SweepFile, FindsTablesOfLossesBesideIt) {
