@@ -33,8 +33,9 @@ void require_known(const Configuration& configuration, RareOptions& options) {
   const bool is_normal = has_normal_errors(configuration.model);
   if (options.method == kAuto) options.method = is_normal ? kCondition : kSplit;
   if (options.method == kCondition && !is_normal)
-    problems.emplace_back(
-        "method: condition: the gaps are not normal, because a link loses or quantises: must be split or auto");
+    problems.push_back(std::string("method: condition: the gaps are not normal, because ") +
+                       (has_limits(configuration.model) ? "a vehicle has limits" : "a link loses or quantises") +
+                       ": must be split or auto");
   if (run.averaging() == Averaging::over_time) problems.emplace_back("steps: 0: must be at least 1");
   if (run.averaging() != Averaging::over_time && run.burn_in >= run.steps)
     problems.push_back(formatted("burn_in: %lld: must be below the %lld steps", static_cast<long long>(run.burn_in),
