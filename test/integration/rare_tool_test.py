@@ -79,7 +79,7 @@ class Estimations(RareTest):
                 (dict(model=model, required=1e-6, per="day", over="mass"), "per: day: must be run or hour"),
                 (dict(model=model, required=1e-6, over="mass"), "over: mass: must be standstill_distance or time_headway"),
                 (dict(model=model, per="hour"), "per: given: must be with required"),
-                (dict(model=silent, required=1e-6), "required: 1e-06: not reached by standstill_distance from 2 to"),
+                (dict(model=silent, required=1e-6), "required: 1e-06: not reached by standstill_distance from 2 to 259.493: must be another value; there: below: 0 m: the event cannot"),
                 (dict(model=model, only=3), "only: given: must be with --trajectories"),
                 (dict(model=model, burn_in=-1), "burn_in: -1"),
         ):
