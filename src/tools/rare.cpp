@@ -22,7 +22,7 @@ namespace {
 // Returns whether the estimation is complete.
 bool run_whole(const platoon::RareRun& run, platoon::ShardSettings settings) {
   const platoon::RunOptions& options = run.configuration.run;
-  platoon::ProgressDisplay display(run.samples(), "realizations",
+  platoon::ProgressDisplay display(run.samples(), run.options.method == "split" ? "repetitions" : "realizations",
                                    static_cast<double>(options.followers) * static_cast<double>(options.steps),
                                    "vehicle-steps");
   settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
         "steps", "realizations", "seed", "output", "burn_in"},
        {{"below", "a gap below this bound [m] is the event (0)"},
         {"method",
-         "condition: conditioned realizations, for links with normal errors; split: splitting by levels, for losses and quantisation; auto: by the model (auto)"},
+         "condition: conditioned realizations, for links with normal errors; split: splitting by levels, for losses, quantisation and limits; auto: by the model (auto)"},
         {"required",
          "probability of a small gap of any follower: finds the smallest --over that satisfies it, and estimates there"},
         {"per", "with --required: run or hour (run)"},

@@ -3,7 +3,12 @@
 
 import json
 import math
+import os
+import pty
+import re
+import signal
 import subprocess
+import time
 import unittest
 
 import numpy as np
@@ -72,6 +77,12 @@ class Optima(unittest.TestCase):
         self.assertLessEqual(result.goal, 0.22)
         self.assertIn("controller/kp", result.binding)
         self.assertIn("The box binds", result.report)
+
+    def test_a_goal_that_exists_in_a_small_part_of_the_box_is_found_without_constraints(self):
+        whole = tuned(sp.Model.load(), minimise="limit_variance", over=PAPER_BOX)
+        stable = tuned(sp.Model.load(), minimise="limit_variance", over=PAPER_BOX, subject_to={"string_stable": True})
+        self.assertAlmostEqual(whole.goal / stable.goal, 1.0, places=6)
+        self.assertEqual(whole.binding, ["controller/denominator/1"])
 
     def test_a_key_of_the_model_is_a_goal(self):
         result = tuned(sp.Model.load("acc.yaml"), minimise="time_headway_seconds", over={"time_headway_seconds": [0.5, 5.0]},
@@ -162,12 +173,20 @@ class Program(FolderTest):
         for text, message in (
                 ("minimise: limit_varianc\nover: {controller/numerator/0: [1, 2]}", "limit_varianc: no figure of the analysis and no key of the model: must be one of"),
                 ("minimise: limit_variance\nover: {controller/numerator/0: [2, 1]}", "over: controller/numerator/0: [2, 1]: must be [low, high]"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, 1]}", "over: controller/numerator/0: [1, 1]: must be [low, high]"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, .inf]}", "must be [low, high], two finite numbers"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: 1}", "over: controller/numerator/0: 1: must be [low, high]"),
                 ("minimise: limit_variance\nover: {}", "over: empty"),
                 ("minimise: limit_variance\nover: {controller/kq: [1, 2]}", "over: controller/kq: "),
                 ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2]}\nsubject: {}", "subject: unknown: must be one of model"),
                 ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2]}\nsubject_to: {phase_margin: [60, 50]}", "phase_margin: [60, 50]: must be true"),
                 ("minimise: variance\nover: {controller/numerator/0: [1, 2]}", "variance: must be a single number"),
                 ("minimise: spectral_radius\nover: {noise_variance: [1, 2]}", "over: noise_variance: neither spectral_radius nor a constraint depends on it"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2]}\nsubject_to: {phase_margi: 50}", "phase_margi: no figure of the analysis"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2]}\npareto: {over: limit_variance}", "pareto: {'over': 'limit_variance'}: must be over"),
+                ("minimise: collision/per_step\nover: {controller/numerator/0: [1, 2]}", "collision_probability: missing"),
+                ("minimise: limit_variance\nover: [controller/kp]", "over: ['controller/kp']: must be a mapping"),
+                ("model: none.yaml\nminimise: limit_variance\nover: {controller/numerator/0: [1, 2]}", "none.yaml"),
                 ("over: {controller/numerator/0: [1, 2]}", "minimise: missing"),
                 ("minimise: [", "must be YAML")):
             done = self.tune(text)
@@ -180,6 +199,48 @@ class Program(FolderTest):
         self.assertEqual(done.returncode, 1)
         self.assertIn("subject_to: no point found satisfies all constraints; nearest at controller/numerator/0", done.stderr)
         self.assertRegex(done.stderr, r"phase_margin: [\d.]+: must be at least 89")
+
+    def test_constraints_that_no_point_satisfies_name_the_nearest_point_of_each(self):
+        text = "minimise: limit_variance\nover: {controller/numerator/0: [1.0, 2.0]}\n"
+        done = self.tune("model: paper.yaml\n" + text + "subject_to: {time_headway: [1, 2], sensitivity_peak: 1.5}")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("time_headway: 3.2: must be from 1 to 2 (nearest of all points: 3.2)", done.stderr)
+        nearest = float(re.search(r"sensitivity_peak: [\d.]+: must be at most 1.5 \(nearest of all points: ([\d.]+)\)", done.stderr)[1])
+        grid = [sp.analyze(sp.Model.load().replace({"controller/numerator/0": gain}))["sensitivity_peak"] for gain in np.linspace(1.0, 2.0, 101)]
+        self.assertAlmostEqual(nearest / min(grid), 1.0, delta=1e-3)
+        done = self.tune("minimise: limit_variance\nover: {controller/numerator/0: [100, 200]}")
+        self.assertIn("over: the goal exists at no point found; nearest at controller/numerator/0", done.stderr)
+
+    def test_the_report_says_why_there_is_no_bound(self):
+        for text, reason in ((self.SMALL.replace("limit_variance", "spectral_radius"), "it exists for limit_variance, peak_gain, sensitivity_peak only, not for spectral_radius"),
+                             (self.SMALL.replace("controller/numerator/0: [1.0, 2.0]", "time_headway: [3.0, 4.0]"),
+                              "it exists for the gains and coefficients of the controller, not for time_headway")):
+            done = self.tune(text, "--bound", "20", "--output", self.path(reason[:13] + reason[-4:]))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("No lower bound: " + reason, done.stdout)
+        self.assertIn("No lower bound: its time is 0 s", self.tune(self.SMALL).stdout)
+
+    def test_ctrl_c_ends_it_at_each_stage_with_one_line_and_without_files(self):
+        paper = "minimise: limit_variance\nover: {}\nsteps: 10000\nrealizations: 1000000\n".format(json.dumps(PAPER_BOX))
+        cacc = "model: cacc.yaml\nminimise: critical_headway_seconds\nover: {controller/kp: [0.01, 2.0], controller/kd: [0.1, 3.0]}\n"
+        for stage, text, bound in (("search", cacc, "0"), ("bound", paper, "600"), ("monte_carlo", paper, "0")):
+            with self.subTest(stage):
+                shown, terminal = pty.openpty()
+                self.addCleanup(os.close, shown)
+                output = self.path(stage)
+                process = self.background(TUNE, self.write(stage + ".yaml", text), "--bound", bound, "--output", output,
+                                          stdout=subprocess.PIPE, stderr=terminal, universal_newlines=True)
+                os.close(terminal)
+                seen = ""
+                while stage + ":" not in seen:
+                    seen += os.read(shown, 1000).decode()
+                began = time.monotonic()
+                process.send_signal(signal.SIGINT)
+                printed, _ = process.communicate(timeout=60)
+                self.assertLess(time.monotonic() - began, 2.0 * live_platoon.PATIENCE)
+                self.assertEqual(process.returncode, 130)
+                self.assertEqual(printed, "tune: interrupted: nothing is written, the same command begins again\n")
+                self.assertFalse(os.path.exists(output))
 
 
 if __name__ == "__main__":

@@ -41,17 +41,17 @@ BATCH = 32
 def reason_without_bound(model: Model, figure: str, variables: Sequence[str]) -> str:
     """Why there is no bound of a figure over these keys of a model; empty if there is one."""
     if figure != MEAN and figure not in MAXIMA:
-        return "exists for {} only, not for {}".format(", ".join((MEAN,) + MAXIMA), figure)
+        return "it exists for {} only, not for {}".format(", ".join((MEAN,) + MAXIMA), figure)
     if len(variables) > 2:
-        return "exists for up to two variables, not for {}".format(len(variables))
+        return "it exists for up to two variables, not for {}".format(len(variables))
     document = model.to_dict()
     others = [key for key in variables if not _is_coefficient(key, document.get("controller", {}))]
     if others:
-        return "exists for the gains and coefficients of the controller, not for {}".format(", ".join(others))
+        return "it exists for the gains and coefficients of the controller, not for {}".format(", ".join(others))
     channel = document.get("channel", {})
     if not model.is_homogeneous or document.get("inputs") or "closed_loop" in document or any(
             channel.get(key) for key in ("loss", "delay", "quantisation_step", "noise_filter")):
-        return "exists for one type of vehicle with radar over channels that add white noise only"
+        return "it exists for one type of vehicle with radar over channels that add white noise only"
     return ""
 
 
@@ -264,7 +264,7 @@ def lower_bound(model: Model, figure: str, box: Dict[str, Tuple[float, float]], 
                 progress: Callable[[int, float], None]) -> Tuple[Optional[float], str]:
     """A number that the figure exceeds at every string stable point of the box, and how it was found; or None and why there is none."""
     if seconds <= 0.0:
-        return None, "not computed"
+        return None, "its time is 0 s"
     reason = reason_without_bound(model, figure, list(box))
     if reason:
         return None, reason

@@ -84,7 +84,7 @@ def rare(model: Model, *, below: float = 0.0, realizations: int = 10000, followe
          progress: Optional[Callable[[int, int], None]] = None) -> Rare:
     """The probability that a gap falls below `below` [m] during `steps` (10 s of driving by default), however small.
 
-    `method`: condition for links with normal errors, split for losses and quantisation, auto for the one of the model.
+    `method`: condition for links with normal errors, split for losses, quantisation and limits, auto for the one of the model.
     `realizations`: per follower, or per level of a splitting. `burn_in`: steps at the start in which a small gap does not count.
     `speed` [m/s]: the document also has probabilities per kilometre. `threads`, `output`, `checkpoint_seconds` and `progress`: as in
     monte_carlo(). Raises ValueError with all problems of the settings.

@@ -208,7 +208,8 @@ def require_feasible(problem: Problem, best: Point) -> None:
     if best.violation == 0.0:
         return
     where = ", ".join("{} {:.6g}".format(key, value) for key, value in zip(problem.over, best.values))
-    broken = ["subject_to: no point found satisfies all constraints; nearest at {}:".format(where)]
+    failure = "subject_to: no point found satisfies all constraints" if problem.constraints else "over: the goal exists at no point found"
+    broken = ["{}; nearest at {}:".format(failure, where)]
     if best.goal is None:
         broken.append("{}: does not exist there".format(problem.minimise))
     for k, constraint in enumerate(problem.constraints):

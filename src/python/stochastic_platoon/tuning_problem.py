@@ -221,16 +221,25 @@ class Problem:
                 if constraint.figure == "string_stable" and figure is not None and figure != constraint.wanted:
                     violation += max(0.0, float(document.get("peak_gain") or 1.0) - 1.0)
             if violation > NEAR and self.stage == "search":
-                return Point(values, None, figures, violation)
+                return Point(values, None, figures, violation + (self.amplification(model) if None in figures else 0.0))
             if self.goal_key is not None and self.goal_key not in self.keys:
                 document = self.analyze(model, {self.goal_key})
             goal = self.value(self.minimise, model, document)
+            if goal is None:
+                violation += 1.0 + self.amplification(model)
         except ValueError:
             return Point(values, None, missing, 2.0 + len(missing) + self.instability(values))
-        return Point(values, goal, figures, violation if goal is not None else violation + 1.0)
+        return Point(values, goal, figures, violation)
 
     def value(self, path: str, model: Model, document: Mapping[str, Any]) -> Figure:
         return whole_number(model_value(model, path) if path in self.of_model else at_path(document, path))
+
+    def amplification(self, model: Model) -> float:
+        """How far a loop is from string stability, below 1: where the figures of an endless string do not exist, it shows the way."""
+        try:
+            return 1.0 - 1.0 / max(float(self.analyze(model, {"peak_gain"})["peak_gain"]), 1.0)
+        except (ValueError, TypeError):
+            return 0.0
 
     def instability(self, values: Tuple[float, ...]) -> float:
         """How far a loop that the model file does not allow is from stability, below 1."""

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/scaling/rare_run.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -33,8 +34,9 @@ void require_known(const Configuration& configuration, RareOptions& options) {
   const bool is_normal = has_normal_errors(configuration.model);
   if (options.method == kAuto) options.method = is_normal ? kCondition : kSplit;
   if (options.method == kCondition && !is_normal)
-    problems.emplace_back(
-        "method: condition: the gaps are not normal, because a link loses or quantises: must be split or auto");
+    problems.push_back(std::string("method: condition: the gaps are not normal, because ") +
+                       (has_limits(configuration.model) ? "a vehicle has limits" : "a link loses or quantises") +
+                       ": must be split or auto");
   if (run.averaging() == Averaging::over_time) problems.emplace_back("steps: 0: must be at least 1");
   if (run.averaging() != Averaging::over_time && run.burn_in >= run.steps)
     problems.push_back(formatted("burn_in: %lld: must be below the %lld steps", static_cast<long long>(run.burn_in),
@@ -151,12 +153,14 @@ std::optional<RareRequirement> rare_requirement(const std::map<std::string, std:
 
 double required_value(const RareRequirement& requirement, double start,
                       const std::function<RareRun(double value)>& estimation, const ShardSettings& settings) {
+  std::string problem;
   // ln of the figure over ln of the required one; above 0 where the event is no rare one.
   const auto excess = [&](double value) {
     std::optional<RareRun> run;
     try {
       run = estimation(value);
-    } catch (const ConfigurationError&) {
+    } catch (const ConfigurationError& error) {
+      problem = std::string("; there: ") + error.what();
       return 1e3;
     }
     run->configuration.run.output.clear();
@@ -174,8 +178,10 @@ double required_value(const RareRequirement& requirement, double start,
     while (low > start / kMost && excess(low /= kFactor) <= 0.0) high = low;
   }
   if (high >= kMost * start || low <= start / kMost)
-    throw ConfigurationError({formatted("required: %g: not reached by %s from %g to %g: must be another value",
-                                        requirement.probability, requirement.over.c_str(), low, high)});
+    throw ConfigurationError(
+        {formatted("required: %g: not reached by %s from %g to %g: must be another value", requirement.probability,
+                   requirement.over.c_str(), std::min(start, low), std::max(start, high)) +
+         problem});
   while (high - low > 1e-3 * high) {
     const double middle = 0.5 * (low + high);
     (excess(middle) > 0.0 ? low : high) = middle;

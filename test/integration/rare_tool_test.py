@@ -1,0 +1,187 @@
+#!/usr/bin/python3
+"""The program `rare` and its module: bits, interruptions, replays, plots, required distances, and bad input."""
+
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+import numpy as np
+import stochastic_platoon as sp
+
+import live_platoon
+from live_platoon import tool
+from rare_case import COLUMNS, RareTest
+
+PLOT = live_platoon.shared("src", "tools", "plot")
+LOSS = {"loss": {"probability": 0.1, "on_loss": "hold"}}
+
+
+class Estimations(RareTest):
+    def started(self, name, **options):
+        """An estimation that runs, with its output in the folder of this name."""
+        command = [live_platoon.executable("rare"), "--output", self.path(name)]
+        for key, value in options.items():
+            command += ["--" + key.replace("_", "-"), str(value)]
+        return self.background(*command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+
+    def test_the_same_bits_for_every_number_of_threads_and_from_shards(self):
+        model = self.model(standstill_distance=3.0)
+        for method, realizations in (("condition", 3000), ("split", 400)):
+            options = dict(followers=3, steps=60, realizations=realizations, seed=9, method=method)
+            self.estimate(method + "_1", model, threads=1, **options)
+            self.estimate(method + "_3", model, threads=3, **options)
+            self.assertEqual(self.content(method + "_1"), self.content(method + "_3"))
+            shards = [self.path("{}_shard_{}".format(method, i)) for i in range(3)]
+            for i, shard in enumerate(shards):
+                found = tool("rare", model=model, output=shard, shard="{}/3".format(i), **options)
+                self.assertEqual(found.returncode, 0, found.stderr)
+            self.assertEqual(tool("rare", *shards, output=self.path(method + "_merged")).returncode, 0)
+            self.assertEqual(self.content(method + "_merged"), self.content(method + "_1"))
+            self.assertIn("rare DIR", tool("merge", *shards, output=self.path("other")).stderr)
+
+    def test_ctrl_c_ends_it_and_the_same_command_continues_it(self):
+        model = self.model(standstill_distance=3.0)
+        for method in ("condition", "split"):
+            options = dict(model=model, followers=20, steps=100, realizations=200000, threads=2, checkpoint_seconds=0.2, method=method)
+            process = self.started(method, **options)
+            if method == "condition":
+                live_platoon.wait_for(lambda: os.path.exists(os.path.join(self.path(method), "checkpoint.cbor")), "a checkpoint")
+            else:
+                time.sleep(3.0)
+            began = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            output, errors = process.communicate(timeout=60)
+            self.assertLess(time.monotonic() - began, 2.0 * live_platoon.PATIENCE)
+            self.assertEqual(process.returncode, 130, errors)
+            self.assertIn("stopped after", output)
+        options.update(realizations=20000, method="condition", output=self.path("condition"))
+        self.assertIn("holds a shard of another run: rare is", tool("rare", **options).stderr)
+
+    def test_bad_input(self):
+        model = self.model(standstill_distance=2.0)
+        lossy = self.model(name="lossy.yaml", standstill_distance=2.0, channel=LOSS)
+        silent = self.model(name="silent.yaml", standstill_distance=2.0, noise_variance=0.0)
+        for options, expected in (
+                (dict(model=lossy, method="condition"), "the gaps are not normal, because a link loses or quantises"),
+                (dict(model="acc_limits.yaml", method="condition"), "the gaps are not normal, because a vehicle has limits"),
+                (dict(model=model, method="guess"), "method: guess: must be auto, condition or split"),
+                (dict(model=model, below=3), "below: 3 m: must be below the mean gap of vehicle_1 at step 0, 2 m"),
+                (dict(model=lossy, below=3), "the gap of vehicle_1 is smaller in each of 50 realizations"),
+                (dict(model=silent), "the event cannot happen"),
+                (dict(model=silent, method="split"), "levels die out: no path of vehicle_1 falls below 2 m: must be larger, or realizations more than 1000"),
+                (dict(model=lossy, realizations=100), "realizations: 100: must be from 200 to"),
+                (dict(model=model, burn_in=50), "burn_in: 50: must be below the 50 steps"),
+                (dict(model=model, below="deep"), "below: deep"),
+                (dict(model=model, speed=0), "speed: 0"),
+                (dict(model=model, required=1), "required: 1: must be above 0 and below 1"),
+                (dict(model=model, required=1e-6, per="day", over="mass"), "per: day: must be run or hour"),
+                (dict(model=model, required=1e-6, over="mass"), "over: mass: must be standstill_distance or time_headway"),
+                (dict(model=model, per="hour"), "per: given: must be with required"),
+                (dict(model=silent, required=1e-6), "required: 1e-06: not reached by standstill_distance from 2 to 259.493: must be another value; there: below: 0 m: the event cannot"),
+                (dict(model=model, only=3), "only: given: must be with --trajectories"),
+                (dict(model=model, burn_in=-1), "burn_in: -1"),
+        ):
+            self.assertIn(expected, self.error(**options))
+            self.assertFalse(os.path.exists(os.path.join(self.path("refused"), "rare.csv")))
+        self.estimate("kept", model, followers=1, steps=20, realizations=100)
+        self.assertIn("never overwritten", self.error(model=model, output=self.path("kept")))
+        for options, expected in ((dict(vehicle=3), "vehicle: 3: must be"), (dict(only=1000), "only: 1000: must be"), (dict(vehicle="last"), "vehicle: last")):
+            found = tool("rare", "--trajectories", model=model, output=self.path("refused"), followers=2, steps=50, realizations=1000, **options)
+            self.assertEqual(found.returncode, 1)
+            self.assertIn(expected, found.stderr)
+
+    def test_a_killed_estimation_continues_to_the_same_bits(self):
+        for method, options in (("condition", dict(followers=5, realizations=60000)), ("split", dict(followers=2, realizations=10000))):
+            options = dict(options, model=self.model(standstill_distance=3.0), steps=100, method=method, checkpoint_seconds=0.1)
+            self.estimate(method + "_whole", **options)
+            checkpoint = os.path.join(self.path(method), "checkpoint.cbor")
+            process = self.started(method, **options)
+            live_platoon.wait_for(lambda: os.path.exists(checkpoint), "a checkpoint")
+            process.kill()
+            process.communicate()
+            self.assertEqual(process.returncode, -signal.SIGKILL)
+            self.assertFalse(os.path.exists(os.path.join(self.path(method), "rare.csv")))
+            self.estimate(method, **options)
+            self.assertEqual(self.content(method), self.content(method + "_whole"))
+            self.assertFalse(os.path.exists(checkpoint))
+
+    def test_of_the_module_are_those_of_the_program(self):
+        file = self.model(standstill_distance=3.0)
+        options = dict(followers=3, steps=60, realizations=2000, seed=9, below=0.2, speed=20.0)
+        rows = self.estimate("program", file, **options)
+        seen = []
+        found = sp.rare(sp.Model.load(file), output=self.path("module"), progress=lambda done, of: seen.append((done, of)), **options)
+        self.assertEqual(self.content("module"), self.content("program"))
+        self.assertEqual(seen[-1], (2000, 2000))
+        for result in (found, sp.Rare.load(self.path("module"))):
+            self.assertEqual((result.method, result.below, result.samples, result.followers), ("condition", 0.2, 2000, 3))
+            for name in COLUMNS[1:]:
+                np.testing.assert_allclose(getattr(result, name), [rows[str(i)][name] for i in (1, 2, 3)], rtol=1e-12)
+                self.assertAlmostEqual(result.any[name] / rows["any"][name], 1.0, places=12)
+        row = found.document["rows"][0]  # 60 steps of 0.1 s at 20 m/s are 0.12 km
+        self.assertAlmostEqual(row["per_kilometre"] / (row["per_hour"] / 72.0), 1.0, places=12)
+        with self.assertRaisesRegex(ValueError, "method: guess: must be auto"):
+            sp.rare(sp.Model.load(file), method="guess")
+        with self.assertRaisesRegex(ValueError, "below: 9 m: must be below the mean gap"):
+            sp.rare(sp.Model.load(file), below=9.0)
+
+    def test_are_drawn(self):
+        folders = []
+        for distance in (2.0, 3.0):
+            name = "at_{}".format(distance)
+            self.estimate(name, self.model(standstill_distance=distance), followers=3, steps=60, realizations=500)
+            folders.append(self.path(name))
+        for shown, panels in ((folders[:1], 1), (folders, 2)):
+            done = subprocess.run([PLOT, "rare", *shown, "--output", self.path("plot_{}.svg".format(panels))], stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, universal_newlines=True, env=dict(os.environ, MPLBACKEND="Agg"))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            with open(self.path("plot_{}.svg".format(panels))) as file:
+                text = file.read()
+            self.assertEqual(text.count('id="axes_'), panels)
+            for words in ["upper bound by theory", "any follower"] + ["standstill distance"] * (panels - 1):
+                self.assertIn(words, text)
+        damaged = subprocess.run([PLOT, "rare", self.folder, "--output", self.path("none.svg")], stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual(damaged.returncode, 1)
+        self.assertIn("rare.json", damaged.stderr)
+
+    def replayed(self, name, model, vehicle, **options):
+        """The smallest gap of each follower in a replayed sample."""
+        found = tool("rare", "--trajectories", model=model, output=self.path(name), vehicle=vehicle, **options)
+        self.assertEqual(found.returncode, 0, found.stderr)
+        return np.nanmin(sp.Trajectories.load(self.path(name))["gap"][1:], axis=1)
+
+    def test_each_sample_replays_as_a_small_gap(self):
+        model = self.model(standstill_distance=4.0)
+        options = dict(followers=3, steps=60)
+        for vehicle in (1, 3):
+            for sample in (0, 7, 9999):
+                least = self.replayed("sample_{}_{}".format(vehicle, sample), model, vehicle, only=sample, **options)
+                self.assertTrue(-2.0 < least[vehicle - 1] < 0.0, least)
+            likely = self.replayed("likely_{}".format(vehicle), model, vehicle, **options)
+            self.assertAlmostEqual(likely[vehicle - 1], 0.0, places=9)
+        self.assertLess(self.replayed("any", model, "any", only=5, **options).min(), 0.0)
+        lossy = self.model(name="lossy.yaml", standstill_distance=4.0, channel=LOSS)
+        limits = self.model("acc_limits.yaml", name="limits.yaml", leader={"file": "emergency_stop.csv"}, standstill_distance=6.0)
+        for name, file, below, steps in (("lossy", lossy, 0.0, 60), ("limits", limits, 0.25, 320)):
+            for repetition in (0, 3):
+                least = self.replayed("{}_{}".format(name, repetition), file, 1, followers=1, steps=steps, realizations=2000, below=below,
+                                      only=repetition)
+                self.assertTrue(below - 2.0 < least[0] < below, (name, least))
+
+    def test_the_required_distance_is_the_smallest_that_satisfies_the_probability(self):
+        options = dict(followers=2, steps=40, realizations=500)
+        for name, per, key, figure in (("run", "run", "standstill_distance", "probability"), ("hour", "hour", "standstill_distance", "per_hour"),
+                                       ("headway", "run", "time_headway", "probability")):
+            start = dict(standstill_distance=2.0) if key == "standstill_distance" else dict(standstill_distance=2.0, time_headway=4.0)
+            rows = self.estimate(name, self.model(name=name + "_start.yaml", **start), required=1e-6, per=per, over=key, **options)
+            self.assertLessEqual(rows["any"][figure], 1e-6)
+            value = self.document(name)["configuration"]["model"][key]
+            nearer = self.model(name=name + ".yaml", **dict(start, **{key: 0.998 * value}))
+            self.assertGreater(self.estimate(name + "_nearer", nearer, **options)["any"][figure], 1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
