@@ -61,6 +61,27 @@ class States(Fed):
         self.text_comes("output[for=headway]", "3.2 = 0.32 s")
         self.assertEqual(self.browser.text("#headway-unit"), "[Ts]")
 
+    def test_a_small_noise_has_a_slider_of_its_size_and_is_shown_with_its_digits(self):
+        self.begin(5, noise_variance=0.0123)
+        self.drive(range(BURN_IN, BURN_IN + 20))
+        self.open()
+        self.text_comes("output[for=noise_variance]", "0.0123")
+        self.browser.run("const slider = document.getElementById('noise_variance'); slider.value = 2 * 0.0123; slider.dispatchEvent(new Event('input'))")
+        self.text_comes("output[for=noise_variance]", "0.0246")
+        self.begin(5)
+        self.text_comes("output[for=noise_variance]", "0.6")
+
+    def test_all_vehicles_are_in_sight_while_a_stop_travels_along_the_string(self):
+        self.begin(20, vehicle_length=4.5)
+        self.drive(range(BURN_IN, BURN_IN + 11))
+        self.open()
+        gaps = 10 * [7.5] + 10 * [60.0]
+        of = snapshot(BURN_IN + 11, 20)
+        of.position = [2000.0 - sum(gaps[:i]) for i in range(21)]
+        self.state.take_snapshot(of)
+        self.browser.show_as(1366, 768)  # one lane
+        self.wait_for_page("{} * document.getElementById('road').dataset.metre < document.getElementById('road').clientWidth".format(sum(gaps)), "the string")
+
     def test_500_followers_that_start_are_counted(self):
         self.open()
         self.begin(500)

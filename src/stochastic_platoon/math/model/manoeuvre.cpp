@@ -26,6 +26,11 @@ double moved(double from, double to, double most) {
 
 }  // namespace
 
+Manoeuvre::Manoeuvre(double sample_period, const VehicleLimits& limits)
+    : sample_period_(sample_period),
+      limits_(limits),
+      period_(limits.any() ? std::max(kPeriod, static_cast<std::int64_t>(kSeconds / sample_period)) : kPeriod) {}
+
 void Manoeuvre::approach(double target, double acceleration) {
   require_speed(target);
   kind_ = Kind::approach;
@@ -72,8 +77,9 @@ double Manoeuvre::next_speed(double profile) {
       speed_ = limited(moved(speed_, target_, acceleration_ * sample_period_));
       break;
     case Kind::swing:
-      step_ = (step_ + 1) % kPeriod;
-      speed_ = limited(target_ + kAmplitude * std::sin(2.0 * pi * static_cast<double>(step_) / kPeriod));
+      step_ = (step_ + 1) % period_;
+      speed_ = limited(target_ +
+                       kAmplitude * std::sin(2.0 * pi * static_cast<double>(step_) / static_cast<double>(period_)));
       break;
     case Kind::back:
       speed_ = limited(moved(speed_, profile, kAcceleration * sample_period_));

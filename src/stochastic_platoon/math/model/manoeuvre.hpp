@@ -15,11 +15,11 @@ public:
   static constexpr double kSpeedIncrease = 10.0;  ///< [m/s] added by accelerate()
   static constexpr double kAmplitude = 2.0;       ///< [m/s] of the sinusoid
   static constexpr std::int64_t kPeriod = 10;     ///< [steps], at which the paper's string amplifies most for h = 2.4
+  static constexpr double kSeconds = 10.0;        ///< [s], period of the sinusoid of a vehicle with limits
   static constexpr double kLargestSpeed = 1e3;    ///< [m/s]
 
   /// T_s > 0 [s]. Speeds and their changes remain within the limits.
-  explicit Manoeuvre(double sample_period, const VehicleLimits& limits = {})
-      : sample_period_(sample_period), limits_(limits) {}
+  explicit Manoeuvre(double sample_period, const VehicleLimits& limits = {});
 
   /// Drives at this speed [m/s] from the next step on. Throws std::invalid_argument unless it is finite and its
   /// magnitude is at most kLargestSpeed.
@@ -29,8 +29,8 @@ public:
   /// Accelerates with kAcceleration by kSpeedIncrease. Throws std::invalid_argument if the speed would exceed
   /// kLargestSpeed.
   void accelerate();
-  /// Drives at v(k) = v + kAmplitude sin(2 pi n / kPeriod), n = 1, 2, ..., with v the present speed, until the next
-  /// command.
+  /// Drives at v(k) = v + kAmplitude sin(2 pi n / period), n = 1, 2, ..., with v the present speed, until the next
+  /// command. The period is kPeriod, or kSeconds with limits.
   void swing();
   /// Returns to the profile's speed with kAcceleration and then follows the profile.
   void cruise();
@@ -50,6 +50,7 @@ private:
 
   double sample_period_;
   VehicleLimits limits_;
+  std::int64_t period_;  ///< [steps]
   Kind kind_ = Kind::none;
   double speed_ = 0.0;         ///< [m/s], of the previous step
   double target_ = 0.0;        ///< [m/s], to approach, or mean of the sinusoid

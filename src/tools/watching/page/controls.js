@@ -4,6 +4,7 @@ import { short } from "./scale.js";
 
 const CHANGES = ["headway", "noise_variance", "loss"];
 const HEADWAYS = { samples: { unit: "[T<sub>s</sub>]", min: 0.5, max: 6, step: 0.1 }, seconds: { unit: "[s]", min: 0.1, max: 4, step: 0.05 } };
+const NOISES = { max: 2, step: 0.05 };  // [m^2]
 const input = name => document.getElementById(name);
 
 export class Controls {
@@ -16,7 +17,8 @@ export class Controls {
   }
 
   showChange(name) {
-    const value = input(name).value, other = name !== "headway" || !this.period ? "" :
+    // A slider that was not moved shows the value of the run, not the nearest one of its own.
+    const slider = input(name), value = slider.value === this.nearest(name) ? short(this.set[name], 4) : slider.value, other = name !== "headway" || !this.period ? "" :
       this.inSeconds ? ` = ${short(value / this.period)} samples` : ` = ${short(value * this.period)} s`;
     document.querySelector(`output[for=${name}]`).textContent = value + other;
   }
@@ -35,7 +37,8 @@ export class Controls {
       "Only an endless run (live.launch) accepts orders: this one averages over realizations, which have to be alike.";
     for (const name of CHANGES) {
       this.set[name] = (configuration?.[name] ?? 0) * (name === "headway" ? this.headwayUnit() : 1);
-      const slider = input(name);
+      const slider = input(name), small = this.set[name] > 0 && this.set[name] < NOISES.max / 10;
+      if (name === "noise_variance") Object.assign(slider, small ? { max: 4 * this.set[name], step: this.set[name] / 20 } : NOISES);
       if (this.set[name] > Number(slider.max)) slider.max = 2 * this.set[name];
       slider.value = this.set[name];
       this.showChange(name);

@@ -8,10 +8,11 @@ const LENGTH = 4.2;     // [m] length of a drawn vehicle if those of the model a
 const WIDTH = 1.6;
 const FOOT = 22;        // [px] below the lanes, for the scale
 
-// The median gap: unstable motion at the tail does not affect the scale.
+// A gap that four of five are below: behind a leader that stops, cars stand close ahead of others that still drive. Unstable motion
+// at the tail does not affect the scale.
 function usualGap(position) {
   const gaps = position.slice(1).map((p, i) => position[i] - p).sort((a, b) => a - b);
-  return gaps[Math.floor(gaps.length / 2)];
+  return gaps[Math.floor(0.8 * gaps.length)];
 }
 
 export class Road {
@@ -109,7 +110,7 @@ export class Road {
     const { context, width, height } = canvasOf(this.canvas), { across, count, lane, speeds } = this.lanes(n, width);
     const position = this.positions(now);
     const wanted = Math.max(usualGap(position), LEAST_GAP);
-    this.gap = this.gap === null ? wanted : this.gap + 0.02 * (wanted - this.gap);
+    this.gap = this.gap === null ? wanted : this.gap + 0.05 * (wanted - this.gap);
     const metre = Math.min(width / (across + 1.2) / this.gap, lane * 0.34 / WIDTH);
     const longOf = i => Math.max(this.bodyLength(i) * metre, 4);
     const over = new Set(this.overlapping(position));

@@ -41,6 +41,19 @@ TEST(Manoeuvre, BrakesEvenlyToAStandstill) {
   EXPECT_TRUE(manoeuvre.is_under_way());
 }
 
+TEST(Manoeuvre, SwingsSlowlyWithLimits) {
+  Manoeuvre manoeuvre(kPeriod, {Interval{-6.0, 3.0}, {}});
+  manoeuvre.next_speed(kProfile);
+  manoeuvre.swing();
+  double before = kProfile;
+  for (int k = 1; k <= 200; ++k) {
+    const double speed = manoeuvre.next_speed(kProfile);
+    EXPECT_NEAR(speed, 20.0 + 2.0 * std::sin(2.0 * 3.141592653589793 * k / 100.0), 1e-12) << k;  // 10 s
+    EXPECT_LT(std::abs(speed - before) / kPeriod, 1.26) << k;                                    // [m/s^2]
+    before = speed;
+  }
+}
+
 TEST(Manoeuvre, AcceleratesFromAnySpeed) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.accelerate();
