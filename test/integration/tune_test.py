@@ -84,6 +84,13 @@ class Optima(unittest.TestCase):
         self.assertAlmostEqual(whole.goal / stable.goal, 1.0, places=6)
         self.assertEqual(whole.binding, ["controller/denominator/1"])
 
+    def test_a_figure_of_the_same_cars_without_limits_is_a_goal(self):
+        limits = sp.Model.load("acc_limits.yaml")
+        linear = sp.Model.from_dict({key: value for key, value in limits.to_dict().items() if key not in ("limits", "start")})
+        goals = [tuned(model, minimise=figure, over={"controller/kp": [0.05, 3.0]}).goal
+                 for model, figure in ((limits, "linear/limit_variance"), (linear, "limit_variance"))]
+        self.assertAlmostEqual(goals[0] / goals[1], 1.0, places=9)
+
     def test_a_key_of_the_model_is_a_goal(self):
         result = tuned(sp.Model.load("acc.yaml"), minimise="time_headway_seconds", over={"time_headway_seconds": [0.5, 5.0]},
                        subject_to={"string_stable": True})

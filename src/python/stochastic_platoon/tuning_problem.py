@@ -234,18 +234,22 @@ class Problem:
     def value(self, path: str, model: Model, document: Mapping[str, Any]) -> Figure:
         return whole_number(model_value(model, path) if path in self.of_model else at_path(document, path))
 
+    def of_loop(self, model: Model, figure: str) -> float:
+        """A figure of the loop, for cars with limits without them. Raises TypeError if it does not exist."""
+        document = self.analyze(model, {figure, "linear"})
+        return float(document.get("linear", document)[figure])
+
     def amplification(self, model: Model) -> float:
         """How far a loop is from string stability, below 1: where the figures of an endless string do not exist, it shows the way."""
         try:
-            return 1.0 - 1.0 / max(float(self.analyze(model, {"peak_gain"})["peak_gain"]), 1.0)
+            return 1.0 - 1.0 / max(self.of_loop(model, "peak_gain"), 1.0)
         except (ValueError, TypeError):
             return 0.0
 
     def instability(self, values: Tuple[float, ...]) -> float:
         """How far a loop that the model file does not allow is from stability, below 1."""
         try:
-            radius = self.analyze(self.model_at(values, allow_unstable=True), {"spectral_radius"})["spectral_radius"]
-            return 1.0 - 1.0 / max(float(radius), 1.0)
+            return 1.0 - 1.0 / max(self.of_loop(self.model_at(values, allow_unstable=True), "spectral_radius"), 1.0)
         except (ValueError, TypeError):
             return 1.0
 
