@@ -14,10 +14,10 @@ platoon_test_packages=(
   libgtest-dev librandom123-dev librostest-dev mypy python3-mpmath python3-pandas python3-rostest python3-selenium librosbag-dev
 )
 platoon_debian=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
-# Packages that not every Debian has; without them the tests `installed` and `format` are skipped.
+# Packages that not every Debian has; without them the tests `installed` and `format` and a comparison in `rare` are skipped.
 case $platoon_debian in
-  bookworm) platoon_test_packages+=(catkin-tools clang-format-14) ;;
-  trixie) platoon_test_packages+=(catkin-tools) ;;
+  bookworm) platoon_test_packages+=(catkin-tools clang-format-14 python3-openturns) ;;
+  trixie) platoon_test_packages+=(catkin-tools python3-openturns) ;;
 esac
 
 # Installs the given packages that are missing.

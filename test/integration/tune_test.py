@@ -96,6 +96,41 @@ class Optima(unittest.TestCase):
                        subject_to={"string_stable": True})
         self.assertAlmostEqual(result.goal, sp.analyze(sp.Model.load("acc.yaml"))["critical_headway_seconds"], delta=1e-5)
 
+    def test_each_kind_of_figure_is_a_goal(self):
+        gain, lossy = "controller/numerator/0", sp.Model.load("lossy.yaml")
+        bursts = lossy.replace({"channel/loss/mean_burst": 2.0})
+        for model, goal, key, ends, options in (
+                (lossy, "limit_variance", gain, [0.8, 1.6], {}),
+                (bursts, "stationary_variance/4", gain, [0.8, 1.6], {}),
+                (sp.Model.load("cacc.yaml"), "limit_variance", "controller/kd", [0.4, 1.5], {}),
+                (sp.Model.load(), "signals/gap/limit_variance", gain, [0.8, 1.6], {}),
+                (sp.Model.load("paper_at_rest.yaml"), "collision/probability/4", gain, [0.8, 1.6], {"collision_probability": 1e-6}),
+                (sp.Model.load("paper_at_rest.yaml"), "collision/required_standstill_distance", gain, [0.8, 1.6],
+                 {"collision_probability": 1e-6})):
+            with self.subTest(goal=goal):
+                options = dict(options, followers=5, steps=20)
+                result = tuned(model, minimise=goal, over={key: ends}, **options)
+
+                def at(value):
+                    signals = ["gap"] if "gap" in goal or "collision" in goal else []
+                    document = sp.analyze(model.replace({key: value}), signals=signals, **options)
+                    *path, last = goal.split("/")
+                    return document[".".join(path)][int(last)] if last.isdigit() else document[goal.replace("/", ".")]
+                self.assertEqual(at(result.variables[key]), result.goal)
+                others = [value for value in map(at, np.linspace(*ends, 7)) if value is not None]
+                self.assertGreater(len(others), 2)
+                self.assertLessEqual(result.goal, min(others) * (1.0 + 1e-9))
+
+    def test_losses_and_required_distances_are_constraints(self):
+        for subject_to, model, options in (
+                ({"critical_loss_probability": 0.15}, "lossy.yaml", {}),
+                ({"collision/required_standstill_distance": 4.3}, "paper_at_rest.yaml", {"collision_probability": 1e-6})):
+            result = tuned(sp.Model.load(model), minimise="time_headway", over={"time_headway": [2.6, 8.0]}, subject_to=subject_to,
+                           followers=5, steps=20, **options)
+            (figure, bound), = subject_to.items()
+            self.assertEqual(result.binding, [figure])
+            self.assertAlmostEqual(result.figures[figure] / bound, 1.0, delta=1e-3)
+
     def test_a_front_falls_from_point_to_point(self):
         result = tuned(sp.Model.load(), minimise="limit_variance", over={"time_headway": [2.9, 6.0], "controller/numerator/0": [0.5, 2.0]},
                        subject_to={"string_stable": True}, pareto={"over": "limit_variance", "against": "time_headway", "points": 4})
@@ -113,6 +148,22 @@ class LowerBound(unittest.TestCase):
         result = sp.tune(sp.Model.load(), minimise="limit_variance", over=PAPER_BOX, subject_to={"string_stable": True}, realizations=0)
         self.assertLess(result.bound, result.goal)
         self.assertGreater(result.bound, 0.98 * result.goal)
+
+    def test_respects_constraints_on_figures_that_have_a_bound(self):
+        model, known = sp.Model.load(), dict(minimise="limit_variance", over=PAPER_BOX, realizations=0)
+        free = sp.tune(model, **known, subject_to={"string_stable": True})
+        result = sp.tune(model, **known, subject_to={"string_stable": True, "sensitivity_peak": 2.45})
+        self.assertGreater(result.bound, free.goal)
+        self.assertLess(result.bound, result.goal)
+        self.assertGreater(result.bound, 0.98 * result.goal)
+        self.assertNotIn("leaves out", result.report)
+        # With a goal above the optimum the bound stays below the optimum, so that no feasible box is excluded.
+        bound, _ = bounds.lower_bound(model, "limit_variance", PAPER_BOX, 1.05 * result.goal, list(result.variables.values()), 2.0,
+                                      lambda boxes, least: None, {"sensitivity_peak": 2.45})
+        self.assertLess(bound, result.goal)
+        result = sp.tune(model, **known, subject_to={"string_stable": True, "spectral_radius": 0.9})
+        self.assertLess(result.bound, result.goal)
+        self.assertIn("leaves out the constraints on spectral_radius", result.report)
 
     def test_of_each_figure_is_below_it_at_every_stable_point_of_a_box(self):
         random = np.random.RandomState(3)

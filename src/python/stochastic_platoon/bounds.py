@@ -193,6 +193,11 @@ class Integrand:
         self.nodes, self.weights = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
         if figure == MEAN:
             edges = self._refined(edges)
+        else:  # a maximum is that over the middles of the cells: many near the one of the optimum
+            w = np.linspace(0.0, math.pi, 20001)[1:]
+            d, n, v = (np.abs(np.tensordot(np.concatenate([[1.0], optimum]), rows, axes=1)) for rows in loop.responses(w))
+            peak = w[np.argmax((n if figure == "peak_gain" else d) / v)]
+            edges = np.unique(np.minimum(np.concatenate([edges, peak * np.linspace(0.7, 1.3, 122)]), math.pi))
         self.edges = edges
         self.width = np.diff(edges) / math.pi
         self.above, self.below = self._cells(edges)
@@ -261,8 +266,9 @@ class Integrand:
 
 
 def lower_bound(model: Model, figure: str, box: Dict[str, Tuple[float, float]], goal: float, optimum: Sequence[float], seconds: float,
-                progress: Callable[[int, float], None]) -> Tuple[Optional[float], str]:
-    """A number that the figure exceeds at every string stable point of the box, and how it was found; or None and why there is none."""
+                progress: Callable[[int, float], None], most: Mapping[str, float] = {}) -> Tuple[Optional[float], str]:
+    """A number that the figure exceeds at every string stable point of the box, and how it was found; or None and why there is none.
+    `most`: upper bounds of other figures; a box whose own lower bound of such a figure is above it is excluded."""
     if seconds <= 0.0:
         return None, "its time is 0 s"
     reason = reason_without_bound(model, figure, list(box))
@@ -270,14 +276,19 @@ def lower_bound(model: Model, figure: str, box: Dict[str, Tuple[float, float]], 
         return None, reason
     ends = np.array(list(box.values()) + [(0.0, 0.0)] * (2 - len(box)))
     at = np.array(list(optimum) + [0.0] * (2 - len(box)))
-    integrand = Integrand(Loop(model, list(box)), figure, at)
+    loop = Loop(model, list(box))
+    integrand = Integrand(loop, figure, at)
+    others = [(Integrand(loop, name, at), value) for name, value in most.items()]
     size = np.maximum(ends[:, 1] - ends[:, 0], 1e-300)
     queue: List[Tuple[float, int, Array, Array]] = []
     finished, count, begun = math.inf, 0, time.monotonic()
 
     def add(low: Array, high: Array) -> None:
         nonlocal finished, count
-        for bound, one, other in zip(integrand.bounds(low, high), low, high):
+        bounds = integrand.bounds(low, high)
+        for constraint, value in others:
+            bounds[constraint.bounds(low, high) > value * (1.0 + ROUNDING)] = np.inf
+        for bound, one, other in zip(bounds, low, high):
             count += 1
             if bound < (1.0 - TOLERANCE) * goal:
                 heapq.heappush(queue, (float(bound), count, one, other))

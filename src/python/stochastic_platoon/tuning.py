@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Seque
 
 import numpy as np
 
-from .bounds import lower_bound
+from .bounds import MAXIMA, MEAN, lower_bound
 from .model import Model, PathLike
 from .simulation import monte_carlo, run_settings
 from .tuning_problem import Array, Condition, Constraint, Figure, Point, Problem, Progress, box_of
@@ -251,8 +251,14 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     binding, slopes = sensitivities(problem, best)
     best = problem.best()
     found = problem.model_at(best.values)
+    most = {constraint.figure: constraint.high for constraint in constraints
+            if constraint.figure in (MEAN,) + MAXIMA and math.isfinite(constraint.high)}
     bound, reason = lower_bound(found, minimise, box, float(best.goal or 0.0), best.values, bound_seconds,
-                                lambda boxes, least: progress("bound", boxes, least))
+                                lambda boxes, least: progress("bound", boxes, least), most)
+    ignored = [constraint.figure for constraint in constraints
+               if constraint != Constraint("string_stable", wanted=True) and (constraint.figure not in most or math.isfinite(constraint.low))]
+    if bound is not None and ignored:
+        reason += "; it leaves out the constraints on " + ", ".join(ignored)
     result = Tuning(found, minimise, dict(zip(box, best.values)), _number(best.goal),
                     dict(zip((constraint.figure for constraint in constraints), best.figures)), binding, slopes, bound, reason,
                     len(problem.evaluated))

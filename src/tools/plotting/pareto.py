@@ -58,5 +58,5 @@ def draw(fronts: Sequence[Front], titles: Sequence[str] = ()) -> Figure:
         upper.legend()
     lower.set_xlabel(fronts[0].against_name)
     lower.set_ylabel("share of the largest value")
-    lower.legend()
+    style.legend_below(lower)
     return figure

@@ -42,7 +42,7 @@ def draw(runs: Sequence[sp.Rare], titles: Sequence[str]) -> Figure:
     along.set_title("{}probability of a gap below {} m in a run\nwith intervals of 95 %".format(
         "(a) " if panels > 1 else "", " / ".join(sorted({"{:g}".format(run.below) for run in runs}))))
     for at, (run, name) in enumerate(zip(runs, names)):
-        draw_string(along, run, name, style.colour(at))
+        draw_string(along, run, name, at)
     style.follower_axis(along, max(run.followers for run in runs))
     if panels > 1:
         draw_distances(axes[0, 1], runs)
@@ -54,7 +54,9 @@ def draw(runs: Sequence[sp.Rare], titles: Sequence[str]) -> Figure:
     return figure
 
 
-def draw_string(axes: Axes, run: sp.Rare, name: str, colour: str) -> None:
+def draw_string(axes: Axes, run: sp.Rare, name: str, at: int) -> None:
+    """Draws the run number `at`; the first one has the labels of the lines."""
+    colour = style.colour(at)
     followers = np.arange(1, run.followers + 1)
     logarithm = run.log10_probability
     shown = style.thinned(run.followers, style.MANY)
@@ -65,8 +67,8 @@ def draw_string(axes: Axes, run: sp.Rare, name: str, colour: str) -> None:
     if (run.bound > 0.0).any():
         with np.errstate(invalid="ignore", divide="ignore"):
             axes.plot(followers, np.log10(run.bound), color=colour, linewidth=1.1, linestyle=style.DASHED,
-                      label="upper bound by theory")
-    axes.axhline(run.any["log10_probability"], color=colour, linewidth=1.0, linestyle="-.", label="any follower")
+                      label="" if at else "upper bound by theory")
+    axes.axhline(run.any["log10_probability"], color=colour, linewidth=1.0, linestyle="-.", label="" if at else "any follower")
 
 
 def draw_distances(axes: Axes, runs: Sequence[sp.Rare]) -> None:

@@ -102,6 +102,18 @@ public:
     }
   }
 
+  // Passes the levels one after the other. Returns ln of the product of the shares of the paths that fall below each,
+  // -infinity if none falls below one of them.
+  double descend(const std::vector<double>& levels, const Check& check) {
+    double log_product = 0.0;
+    for (const double level : levels) {
+      log_product += std::log(run(level, check));
+      if (survivors_.empty()) break;
+      if (level != levels.back()) branch(level, check);
+    }
+    return log_product;
+  }
+
   /// The draws of a path that fell below the latest level.
   std::shared_ptr<const ChangedDraws> survivor() const { return draws_->only(survivors_.front().first); }
 
@@ -207,16 +219,7 @@ Splitting::Row Splitting::pilot(std::size_t row) const {
 
 double Splitting::weight(std::size_t row, std::uint64_t repetition, const Check& check) const {
   const Row& of = rows_[row];
-  if (!of.problem.empty()) return 0.0;
-  Paths paths(*this, row, repetition);
-  double log_weight = -of.log_scale;
-  for (const double level : of.levels) {
-    const double share = paths.run(level, check);
-    if (share == 0.0) return 0.0;
-    log_weight += std::log(share);
-    if (level != of.levels.back()) paths.branch(level, check);
-  }
-  return std::exp(log_weight);
+  return of.problem.empty() ? std::exp(Paths(*this, row, repetition).descend(of.levels, check) - of.log_scale) : 0.0;
 }
 
 BatchWork Splitting::work() const {
@@ -240,11 +243,7 @@ std::shared_ptr<const ChangedDraws> Splitting::replay(std::size_t row, std::opti
   const Check check = [] { check_interruption(); };
   for (std::uint64_t repetition = sample.value_or(0); repetition < kRepetitions; ++repetition) {
     Paths paths(*this, row, repetition);
-    for (const double level : rows_[row].levels) {
-      if (paths.run(level, check) == 0.0) break;
-      if (level == event_.below) return paths.survivor();
-      paths.branch(level, check);
-    }
+    if (std::isfinite(paths.descend(rows_[row].levels, check))) return paths.survivor();
     if (sample) break;
   }
   return nullptr;
