@@ -31,7 +31,7 @@ from audit.findings import Findings
 from audit.polynomials import slope, value
 
 KINDS = paper_models.KINDS + string_models.KINDS + radio_models.KINDS + burst_models.KINDS
-MODELS = 2 * len(KINDS)
+MODELS = len(KINDS)
 SLOW = 0.5    # [s] of CPU, followers 20 and steps 100
 MOST_LEFT_OUT = 0.1  # largest share of models that analyze rejects or leaves undecided
 
