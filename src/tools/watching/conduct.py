@@ -46,7 +46,7 @@ class Conduct:
 
 
 def numbered(followers: Sequence[int]) -> str:
-    """Numbers of followers in words, at most five of them."""
+    """The word follower or followers with their numbers; of more than five followers the first five numbers."""
     return "follower{} {}{}".format("s" if followers[1:] else "", ", ".join(str(i) for i in followers[:5]), ", ..." if followers[5:] else "")
 
 

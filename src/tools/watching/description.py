@@ -42,10 +42,10 @@ def in_seconds(model: Dict[str, Any]) -> bool:
     return "continuous" in model.get("plant", {}) or "kp" in model.get("controller", {})
 
 
-def lengths_of(model: sp.Model, followers: int) -> List[float]:
+def lengths_of(model: sp.Model, mixed: bool, followers: int) -> List[float]:
     """The lengths [m] of vehicles 0 .. N; 0 where the model has none."""
-    if not model.to_dict().get("vehicle_types"):
-        return (followers + 1) * [model.vehicle(1).vehicle_length]
+    if not mixed:
+        return (followers + 1) * [model.vehicle(0).vehicle_length]
     return [model.vehicle(i).vehicle_length for i in range(followers + 1)]
 
 
@@ -59,7 +59,8 @@ def described(text: str) -> Dict[str, Any]:
             "noise_variance": vehicle.noise_variance,
             "loss": (radio_of(model) or model).get("channel", {}).get("loss", {}).get("probability"), "link": link_of(model),
             "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,
-            "vehicle_lengths": lengths_of(configuration.model, run["followers"]), "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}
+            "vehicle_lengths": lengths_of(configuration.model, "vehicle_types" in model, run["followers"]),
+            "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}
 
 
 def start_of(topics: Set[str], followers: int, external: Sequence[int]) -> str:
