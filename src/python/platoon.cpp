@@ -145,12 +145,12 @@ py::object json_of(const std::string& file) {
 
 py::dict vehicle_of(const Model& model, std::size_t index) {
   const VehicleModel& of = vehicle(model.model(), index);
-  const LinkModel& link = varied_link(of);
+  const LinkModel& link = of.varied_link();
   nlohmann::json document = to_json(of.loop.realization);
   document["time_headway"] = of.headway;
   document["standstill_distance"] = of.standstill_distance;
   document["vehicle_length"] = of.length;
-  document["noise_variance"] = of.noise_variance;
+  document["noise_variance"] = of.position().noise_variance;
   document["place"] = start_place(model.model(), index);
   document["speed"] = start_slope(model.model()) / model.model().sample_period;
   document["loss_probability"] = link.loss ? nlohmann::json(link.loss->probability) : nlohmann::json();

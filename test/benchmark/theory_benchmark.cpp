@@ -20,7 +20,8 @@ platoon::LoopDesign paper_design() {
 // The numerical example of the paper, h = 3.2.
 platoon::PlatoonModel paper_model() {
   const double headway = 3.2;
-  return {platoon::VehicleModel{platoon::close_loop(paper_design(), headway), headway, 0.0, 0.6},
+  return {platoon::VehicleModel{
+              platoon::close_loop(paper_design(), headway), headway, 0.0, {{platoon::InputSignal::position, 0.6}}},
           platoon::LeaderProfile({{0, 20.0}}, 0.1)};
 }
 
@@ -42,7 +43,7 @@ BENCHMARK(CriticalHeadway)->Unit(benchmark::kMillisecond);
 void CriticalHeadwayOfCar(benchmark::State& state) {
   const bool has_radio = state.range(0) > 0;
   platoon::PlatoonModel model = platoon::radio_platoon(has_radio ? 0.5 : 3.5, 0.01, 0.01);
-  if (!has_radio) model.default_vehicle().feed_forward.reset();
+  if (!has_radio) model.default_vehicle().inputs.resize(1);
   for (auto _ : state) benchmark::DoNotOptimize(platoon::stable_headways(model));
 }
 BENCHMARK(CriticalHeadwayOfCar)->ArgName("radio")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
@@ -75,7 +76,7 @@ void StationaryVariancesByDenseLyapunov(benchmark::State& state) {
                                static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        platoon::stationary_covariance_by_lyapunov(matrices, model.default_vehicle().noise_variance));
+        platoon::stationary_covariance_by_lyapunov(matrices, model.default_vehicle().position().noise_variance));
   }
 }
 BENCHMARK(StationaryVariancesByDenseLyapunov)->Arg(20)->Arg(100)->Unit(benchmark::kMillisecond);

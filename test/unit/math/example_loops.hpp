@@ -87,7 +87,7 @@ inline std::vector<ExampleLoop> string_stable_loops() {
 
 inline PlatoonModel model_with(const ClosedLoop& loop, double headway) {
   const LeaderProfile leader({{0, 20.0}, {25, 5.0}, {40, 12.0}}, 0.1);
-  return {VehicleModel{loop, headway, 7.0, 0.6, {0.8, 0.3}}, leader};
+  return {VehicleModel{loop, headway, 7.0, {{InputSignal::position, 0.6}}, {0.8, 0.3}}, leader};
 }
 
 }  // namespace platoon

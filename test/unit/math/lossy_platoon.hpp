@@ -10,7 +10,7 @@ namespace platoon {
 /// The paper's example with losses on every channel.
 inline PlatoonModel lossy_platoon(const LossModel& loss, double headway = 3.2) {
   PlatoonModel model = paper_platoon(headway);
-  model.default_vehicle().link.loss = loss;
+  model.default_vehicle().position().link.loss = loss;
   return model;
 }
 

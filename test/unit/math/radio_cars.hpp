@@ -11,9 +11,9 @@ inline PlatoonModel radio_platoon_of(LoopDesign design, double headway, double r
   design.sends_input = true;
   VehicleModel vehicle{close_loop(design, headway), headway};
   vehicle.design = design;
-  vehicle.noise_variance = radar;
-  vehicle.feed_forward = FeedForward{1.0, radio, {}};
-  vehicle.feed_forward->link.delay = radio_delay;
+  vehicle.position().noise_variance = radar;
+  vehicle.inputs.push_back({InputSignal::input, radio});
+  vehicle.radio()->link.delay = radio_delay;
   return {vehicle, LeaderProfile({{0, 20.0}}, period), period};
 }
 
@@ -30,14 +30,14 @@ inline PlatoonModel radio_platoon(double headway_seconds, double radar, double r
 /// The radio loses inputs.
 inline void lose_inputs(PlatoonModel& model, double probability, std::vector<double> predictor) {
   for (VehicleType& type : model.types) {
-    if (type.vehicle.feed_forward) type.vehicle.feed_forward->link.loss = LossModel{probability, {}, predictor};
+    if (type.vehicle.radio()) type.vehicle.radio()->link.loss = LossModel{probability, {}, predictor};
   }
 }
 
 /// Adds a type without a radio, every third follower.
 inline void add_human_drivers(PlatoonModel& model) {
   VehicleType human{"human", model.default_vehicle(), {}};
-  human.vehicle.feed_forward.reset();
+  human.vehicle.inputs.resize(1);
   human.vehicle.headway = 350.0;
   human.vehicle.loop = close_loop(*human.vehicle.design, human.vehicle.headway);
   model.types.push_back(human);
@@ -55,10 +55,10 @@ inline void add_trucks(PlatoonModel& model, double lag, double input_delay, doub
   truck.vehicle.design = design;
   truck.vehicle.headway = 120.0;
   truck.vehicle.loop = close_loop(design, truck.vehicle.headway);
-  truck.vehicle.feed_forward->gain = gain;
+  truck.vehicle.radio()->gain = gain;
   VehicleType old_truck = truck;
   old_truck.name = "old_truck";
-  old_truck.vehicle.feed_forward.reset();
+  old_truck.vehicle.inputs.resize(1);
   old_truck.vehicle.headway = 350.0;
   old_truck.vehicle.loop = close_loop(design, old_truck.vehicle.headway);
   model.types.push_back(truck);

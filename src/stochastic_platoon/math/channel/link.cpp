@@ -15,37 +15,27 @@ namespace platoon {
 namespace {
 
 // The only place that defines the order of the stages.
-std::vector<std::unique_ptr<LinkStage>> stages_of(const LinkModel& link, double noise_variance, const WhiteNoise& noise,
-                                                  std::uint32_t receiver) {
+std::vector<std::unique_ptr<LinkStage>> stages_of(const Input& input, const WhiteNoise& noise, std::uint32_t stream) {
+  const LinkModel& link = input.link;
   std::vector<std::unique_ptr<LinkStage>> stages;
   if (link.quantisation_step > 0.0)
-    stages.push_back(std::make_unique<Quantiser>(link.quantisation_step, noise, receiver));
-  if (noise_variance > 0.0)
-    stages.push_back(std::make_unique<ColouredNoise>(noise_variance, link.noise_filter, noise, receiver));
-  if (link.delay > 0) stages.push_back(std::make_unique<DelayLine>(link.delay));
-  if (link.loses()) stages.push_back(std::make_unique<PacketLoss>(*link.loss, noise, receiver));
+    stages.push_back(std::make_unique<Quantiser>(link.quantisation_step, noise, stream));
+  if (input.noise_variance > 0.0)
+    stages.push_back(std::make_unique<ColouredNoise>(input.noise_variance, link.noise_filter, noise, stream));
+  if (input.delay() > 0) stages.push_back(std::make_unique<DelayLine>(input.delay()));
+  if (link.loses()) stages.push_back(std::make_unique<PacketLoss>(*link.loss, noise, stream));
   return stages;
 }
 
 }  // namespace
 
-Link::Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver)
-    : noise_(vehicle(model, receiver).noise_variance, noise, receiver),
-      length_(vehicle(model, receiver - 1).length),
-      slope_(start_slope(model)) {
-  const VehicleModel& own = vehicle(model, receiver);
-  if (!own.link.is_white_noise_only()) take(stages_of(own.link, own.noise_variance, noise, receiver));
-}
-
-Link Link::radio(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver) {
-  const std::optional<FeedForward>& given = vehicle(model, receiver).feed_forward;
-  if (!given) throw std::logic_error("vehicle_" + std::to_string(receiver) + " has no radio");
-  LinkModel link = given->link;
-  if (link.delay < 1) throw std::invalid_argument("delay of a radio: 0: must be >= 1");
-  --link.delay;
-  Link radio(stages_of(link, given->noise_variance, noise, receiver + kRadioReceiver));
-  radio.length_ = vehicle(model, receiver - 1).length;
-  return radio;
+Link::Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver, std::uint32_t input)
+    : noise_(vehicle(model, receiver).inputs.at(input).noise_variance, noise, receiver + input * kInputStream),
+      length_(vehicle(model, receiver - 1).length) {
+  const Input& own = vehicle(model, receiver).inputs[input];
+  if (own.delay() < 0) throw std::invalid_argument("delay of a radio: 0: must be >= 1");
+  if (own.signal == InputSignal::position) slope_ = start_slope(model);
+  if (!own.link.is_white_noise_only()) take(stages_of(own, noise, receiver + input * kInputStream));
 }
 
 Link::Link(std::vector<std::unique_ptr<LinkStage>> stages) : noise_(0.0, 0, 1) {

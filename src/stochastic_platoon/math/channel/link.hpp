@@ -12,8 +12,8 @@
 
 namespace platoon {
 
-/// The radio into vehicle i draws as receiver i + kRadioReceiver.
-constexpr std::uint32_t kRadioReceiver = 1u << 23;
+/// The link of input n into vehicle i draws as receiver i + n kInputStream.
+constexpr std::uint32_t kInputStream = 1u << 23;
 
 /// The positions of both ends of a link one step earlier, per realization [m].
 struct LinkEnds {
@@ -21,7 +21,7 @@ struct LinkEnds {
   const double* own = nullptr;          ///< y_i(k-1)
 };
 
-/// The link into vehicle i, which transmits the positions of its predecessor:
+/// The link of an input of vehicle i, which transmits the positions y(k) of its predecessor, or v(k) = u(k-1):
 ///
 ///     quantise -> + noise -> delay -> loss
 ///
@@ -31,11 +31,9 @@ struct LinkEnds {
 /// a batch in order, from step -1 on; any other link, such as the paper's, accepts steps in any order.
 class Link {
 public:
-  /// receiver is i >= 1. Throws std::invalid_argument if the constructor of a stage does.
-  Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver);
-
-  /// The radio into vehicle i, which transmits v(k) = u(k-1) of its predecessor (see FeedForward).
-  static Link radio(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver);
+  /// receiver is i >= 1, input the index n of its VehicleModel::inputs. Throws std::invalid_argument if the constructor
+  /// of a stage does, and for a radio without delay; std::out_of_range without such an input.
+  Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver, std::uint32_t input = 0);
 
   /// A link of these stages, in this order.
   explicit Link(std::vector<std::unique_ptr<LinkStage>> stages);

@@ -28,11 +28,11 @@ Vector filled(const MeanVehicle::Sequence& values) {
 /// One link: delay, noise and losses.
 class Wire {
 public:
-  Wire(const LinkModel& link, double noise_variance, std::int64_t delay, Eigen::Index count)
-      : delay_(delay), noise_(Matrix::Zero(count, count)) {
+  Wire(const Input& input, Eigen::Index count) : delay_(input.delay()), noise_(Matrix::Zero(count, count)) {
+    const LinkModel& link = input.link;
     if (link.loses()) losses_.emplace(*link.loss);
     const Vector colour = filled(filtered_impulse(link.noise_filter, static_cast<std::size_t>(count) - 1));
-    const long double variance = noise_variance, step = link.quantisation_step;
+    const long double variance = input.noise_variance, step = link.quantisation_step;
     for (Eigen::Index a = 1; a < count; ++a) {
       check_interruption();
       for (Eigen::Index b = 1; b <= a; ++b) {
@@ -71,11 +71,7 @@ class ChainFollower {
 public:
   ChainFollower(const VehicleModel& vehicle, std::size_t steps, Eigen::Index blocks)
       : model_(vehicle), count_(static_cast<Eigen::Index>(steps) + 1), blocks_(blocks), vehicle_(vehicle) {
-    wires_.emplace_back(vehicle.link, vehicle.noise_variance, vehicle.link.delay, count_);
-    if (vehicle.feed_forward) {
-      const LinkModel& radio = vehicle.feed_forward->link;
-      wires_.emplace_back(radio, vehicle.feed_forward->noise_variance, radio.delay - 1, count_);
-    }
+    for (const Input& input : vehicle.inputs) wires_.emplace_back(input, count_);
     free_ = joined(vehicle_.free_motion(steps + 1));
   }
 
@@ -159,7 +155,7 @@ ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t follower
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
   const auto count = static_cast<std::size_t>(steps);
-  const Eigen::Index blocks = has_feed_forward(model) ? 2 : 1, size = blocks * (static_cast<Eigen::Index>(count) + 1);
+  const Eigen::Index blocks = has_radios(model) ? 2 : 1, size = blocks * (static_cast<Eigen::Index>(count) + 1);
   std::vector<ChainFollower> vehicles;
   for (const VehicleModel& vehicle : pattern(model)) {
     unit_equilibrium(vehicle.loop.realization);
@@ -178,7 +174,7 @@ ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t follower
 std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers, double share_of_time) {
   constexpr double kMostCells = 1e8, kMostSteps = 2000.0;  // followers x steps^2, and steps
   const double most = std::min(kMostSteps, std::sqrt(share_of_time * kMostCells / static_cast<double>(followers)));
-  return static_cast<std::int64_t>(has_feed_forward(model) ? most / 2.0 : most);
+  return static_cast<std::int64_t>(has_radios(model) ? most / 2.0 : most);
 }
 
 }  // namespace platoon

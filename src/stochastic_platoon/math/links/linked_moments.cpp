@@ -92,8 +92,8 @@ private:
   // Adds the noise and the dither of the links at `place` and its repetitions, and the initial positions there.
   void add_constant_sources(std::size_t place) {
     const VehicleModel& vehicle = responses_.model(place);
-    add_noise(place, 0, vehicle.link, vehicle.noise_variance);
-    if (vehicle.feed_forward) add_noise(place, 1, vehicle.feed_forward->link, vehicle.feed_forward->noise_variance);
+    for (std::size_t link = 0; link < vehicle.inputs.size(); ++link)
+      add_noise(place, link, vehicle.inputs[link].link, vehicle.inputs[link].noise_variance);
     if (vehicle.initial_position.variance > 0.0) {
       add_repeated(place, responses_.downstream(place, responses_.vehicle(place).free_motion(steps_)), 0, {},
                    vehicle.initial_position.variance);

@@ -15,9 +15,8 @@ namespace {
 std::string theory_of_random_losses(PlatoonModel model) {
   const auto change = [&model](const auto& changed) {
     for (VehicleType& type : model.types) {
-      for (LinkModel* link :
-           {&type.vehicle.link, type.vehicle.feed_forward ? &type.vehicle.feed_forward->link : nullptr}) {
-        if (link != nullptr && link->loss && link->loss->trace) changed(*link->loss);
+      for (Input& input : type.vehicle.inputs) {
+        if (input.link.loss && input.link.loss->trace) changed(*input.link.loss);
       }
     }
   };
@@ -41,7 +40,7 @@ bool has_bursts(const PlatoonModel& model) {
 std::optional<std::string> no_theory(const PlatoonModel& model) {
   if (has_limits(model)) return "vehicles have limits";
   if (depends_on_gap(model)) return "losses depend on the gap";
-  const auto moves = [](const VehicleType& type) { return type.vehicle.link.loses(); };
+  const auto moves = [](const VehicleType& type) { return type.vehicle.position().link.loses(); };
   if (start_slope(model) != 0.0 && std::any_of(model.types.begin(), model.types.end(), moves))
     return "the platoon starts in steady motion (start: steady) over links of positions that lose";
   const LossModel* recorded = nullptr;
@@ -63,7 +62,7 @@ LinkedPattern::LinkedPattern(const PlatoonModel& model, const LinkedPattern& kno
     throw std::invalid_argument("no theory, as " + *reason);
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> place;  // (model type, that of the predecessor)
   const std::vector<std::size_t> model_types = type_order(model);
-  const bool sends = has_feed_forward(model);
+  const bool sends = has_radios(model);
   for (std::size_t j = 0, before = model_types.back(); j < model_types.size(); before = model_types[j++]) {
     const VehicleModel &vehicle = model.types[model_types[j]].vehicle, &predecessor = model.types[before].vehicle;
     const bool unlike = sends && !(predecessor.design->plant == vehicle.design->plant);

@@ -44,7 +44,7 @@ Motion leader_motion(const PlatoonModel& model, std::size_t steps) {
     }
     positions.assign(model.recorded_leader.begin(),
                      model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps + 1));
-    if (has_feed_forward(model)) received.input = accelerations(positions, start_slope(model), model.sample_period);
+    if (has_radios(model)) received.input = accelerations(positions, start_slope(model), model.sample_period);
     return received;
   }
   positions = virtual_leader(model, steps);

@@ -29,9 +29,8 @@ std::vector<LinkFilter> filters_of(const VehicleModel& vehicle, const LinkedVehi
   const auto same = [known](std::size_t link) {
     return known != nullptr && link < known->links().size() ? &known->links()[link] : nullptr;
   };
-  std::vector<LinkFilter> links{LinkFilter(vehicle.link, vehicle.noise_variance, same(0))};
-  if (vehicle.feed_forward)
-    links.emplace_back(vehicle.feed_forward->link, vehicle.feed_forward->noise_variance, same(1));
+  std::vector<LinkFilter> links;
+  for (const Input& input : vehicle.inputs) links.emplace_back(input.link, input.noise_variance, same(links.size()));
   return links;
 }
 
@@ -43,10 +42,10 @@ InputValue input_value(const LinkFilter& link, const CirclePoint& point, Complex
 
 LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* known, const VehicleModel* before)
     : vehicle_(vehicle), links_(filters_of(vehicle, known)), spectral_radius_(platoon::spectral_radius(vehicle.loop)) {
-  if (vehicle.feed_forward && !vehicle.loop.parts)
+  if (vehicle.radio() != nullptr && !vehicle.loop.parts)
     throw std::invalid_argument("inputs: a radio: must be absent for a vehicle without plant and controller");
   if (vehicle.loop.parts)
-    designed_.emplace(*vehicle.design, vehicle.headway, vehicle.feed_forward ? vehicle.feed_forward->gain : 0.0,
+    designed_.emplace(*vehicle.design, vehicle.headway, vehicle.radio() != nullptr ? vehicle.radio()->gain : 0.0,
                       before != nullptr ? before->design->plant : vehicle.design->plant);
   factor_ = designed_ ? designed_factor(known, before != nullptr) : rated_factor(vehicle.loop);
   loop_zeros_ = static_cast<std::ptrdiff_t>(factor_.factor.zeros.size());
@@ -72,9 +71,9 @@ LinkedVehicle::LinkedVehicle(const VehicleModel& vehicle, const LinkedVehicle* k
 // The factor without losses, apart from the zeros of a vehicle with a radio, which depend on those of both links. The
 // poles are those of T. The zeros do not depend on the headway unless the controller does.
 RatedFactor LinkedVehicle::designed_factor(const LinkedVehicle* known, bool behind_other) const {
-  const bool has_radio = vehicle_.feed_forward.has_value();
+  const bool has_radio = vehicle_.radio() != nullptr;
   if (known != nullptr && !vehicle_.design->divide_by_one_plus_headway &&
-      known->vehicle_.feed_forward == vehicle_.feed_forward && (!has_radio || known->vehicle_.link == vehicle_.link)) {
+      (has_radio ? known->vehicle_.inputs == vehicle_.inputs : known->vehicle_.radio() == nullptr)) {
     const auto zeros = known->factor_.factor.zeros.begin();
     return {{poles_of(vehicle_.loop), {zeros, zeros + known->loop_zeros_}}, {}};
   }
@@ -101,7 +100,7 @@ LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point, const MeanEffects
   const Complex response =  // T^ z^m
       designed_ ? designed_response(point, effects, value) : given_response(point, effects[0], value);
   const Complex policy = Complex(1.0L + h) - h * std::conj(z), undelayed = policy * response;
-  const Complex delay = power(std::conj(z), vehicle_.link.delay), mean = delay * undelayed;
+  const Complex delay = power(std::conj(z), vehicle_.position().link.delay), mean = delay * undelayed;
   value.gain = static_cast<double>(std::norm(response));
   value.complement = static_cast<double>(std::norm(1.0L - mean));
   value.of_gap = static_cast<double>(std::norm(1.0L - delay * response));
@@ -161,7 +160,7 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   }
   if (position.has_losses()) zeros.innovation = position.losses().surprise_zeros();
   zeros.noise = position.noise_zeros();
-  if (!vehicle_.feed_forward) return zeros;
+  if (vehicle_.radio() == nullptr) return zeros;
   // At w = 0 u = y / G vanishes like the double integrator of the plant, and N_input like the integrators of K.
   const LinkFilter& input = links_.back();
   const LoopDesign& design = *vehicle_.design;
@@ -173,7 +172,7 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
 
 // Multiplicity of z = 1 as a zero of 1 - H T^ without lag and without losses of the position.
 int LinkedVehicle::complement_zeros() const {
-  if (vehicle_.feed_forward) return *vehicle_.loop.integrators + feed_forward_zeros();
+  if (vehicle_.radio() != nullptr) return *vehicle_.loop.integrators + feed_forward_zeros();
   if (designed_) return *vehicle_.loop.integrators;
   // 1 - H T = (z D - ((1 + h) z - h) N) / (z D), with two zeros at s = 0, as there is no lag.
   const DeltaFraction t = delta_fraction(vehicle_.loop);
@@ -197,7 +196,7 @@ std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
   for (const LinkFilter& link : links_) {
     for (const std::complex<double>& w : link.noise_frequencies()) found.push_back(w);
   }
-  if (!vehicle_.feed_forward) return found;
+  if (vehicle_.radio() == nullptr) return found;
   // The difference of the delays rotates T^; a panel may cover two radians.
   const auto turns = static_cast<double>(std::max(links_[0].delay(), links_[1].delay()) + designed_->plant_turns());
   for (int k = 0; k <= boost::math::double_constants::pi * turns; ++k) found.emplace_back(k / turns, 1.0 / turns);
@@ -205,8 +204,7 @@ std::vector<std::complex<double>> LinkedVehicle::pole_frequencies() const {
 }
 
 bool LinkedVehicle::is_of(const VehicleModel& vehicle) const {
-  return vehicle.headway == vehicle_.headway && vehicle.link == vehicle_.link &&
-         vehicle.feed_forward == vehicle_.feed_forward;
+  return vehicle.headway == vehicle_.headway && vehicle.inputs == vehicle_.inputs;
 }
 
 double LinkedVehicle::loss_feedback() const {

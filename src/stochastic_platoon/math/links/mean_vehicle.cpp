@@ -8,13 +8,11 @@
 namespace platoon {
 
 MeanVehicle::MeanVehicle(const VehicleModel& vehicle) : vehicle_(vehicle), headway_(vehicle.headway) {
-  const auto add = [this](const LinkModel& link, std::int64_t delay) {
-    links_.push_back({static_cast<std::size_t>(delay), link.loss.value_or(LossModel())});
+  for (const Input& input : vehicle.inputs) {
+    links_.push_back({static_cast<std::size_t>(input.delay()), input.link.loss.value_or(LossModel())});
     if (!links_.back().loss.is_independent())
       throw std::invalid_argument("mean_burst: given: must be absent for this theory");
-  };
-  add(vehicle.link, vehicle.link.delay);
-  if (vehicle.feed_forward) add(vehicle.feed_forward->link, vehicle.feed_forward->link.delay - 1);
+  }
 }
 
 MeanVehicle::Passed MeanVehicle::operator()(const Motion& predecessor) const {

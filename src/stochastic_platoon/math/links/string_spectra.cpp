@@ -38,7 +38,7 @@ void StringSpectra::add(const LinkedVehicle& vehicle, std::vector<std::shared_pt
   for (Input& of : type.inputs) {
     for (auto* values : {&of.own, &of.passed, &of.noise}) values->resize(nodes());
   }
-  const OscillatingWeights oscillating(nodes_.rule, static_cast<double>(vehicle.vehicle().link.delay));
+  const OscillatingWeights oscillating(nodes_.rule, static_cast<double>(vehicle.vehicle().position().link.delay));
   LinkedVehicle::MeanEffects effects;
   for (Eigen::Index k = 0; k < nodes(); ++k) {
     check_interruption();

@@ -21,8 +21,13 @@ ClosedLoop closed_again(const VehicleType& type, const char* varied, const Close
 
 }  // namespace
 
-bool operator==(const FeedForward& one, const FeedForward& other) {
-  return one.gain == other.gain && one.noise_variance == other.noise_variance && one.link == other.link;
+const char* name_of(InputSignal signal) {
+  return signal == InputSignal::position ? "position" : "input";
+}
+
+bool operator==(const Input& one, const Input& other) {
+  return one.signal == other.signal && one.gain == other.gain && one.noise_variance == other.noise_variance &&
+         one.link == other.link;
 }
 
 std::vector<std::size_t> type_order(const PlatoonModel& model) {
@@ -61,11 +66,11 @@ PlatoonModel with_gain(PlatoonModel model, double gain) {
 }
 
 PlatoonModel with_loss(PlatoonModel model, double probability) {
-  if (!varied_link(model.default_vehicle()).loss)
+  if (!model.default_vehicle().varied_link().loss)
     throw std::invalid_argument("channel/loss: absent: must be given to vary its probability");
   for (VehicleType& type : model.types) {
     if (!type.inherited.loss_probability) continue;
-    LossModel& loss = *varied_link(type.vehicle).loss;
+    LossModel& loss = *type.vehicle.varied_link().loss;
     loss.probability = probability;
     loss.mean_burst.reset();
     loss.trace.reset();
@@ -76,33 +81,19 @@ PlatoonModel with_loss(PlatoonModel model, double probability) {
 }
 
 PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst) {
-  if (!varied_link(model.default_vehicle()).loss)
+  if (!model.default_vehicle().varied_link().loss)
     throw std::invalid_argument("channel/loss: absent: must be given to vary its mean burst");
   for (VehicleType& type : model.types) {
-    if (type.inherited.mean_burst) varied_link(type.vehicle).loss->mean_burst = mean_burst;
+    if (type.inherited.mean_burst) type.vehicle.varied_link().loss->mean_burst = mean_burst;
   }
   return model;
-}
-
-LinkModel& varied_link(VehicleModel& vehicle) {
-  return vehicle.feed_forward ? vehicle.feed_forward->link : vehicle.link;
-}
-
-const LinkModel& varied_link(const VehicleModel& vehicle) {
-  return vehicle.feed_forward ? vehicle.feed_forward->link : vehicle.link;
-}
-
-std::vector<const LinkModel*> links_of(const VehicleModel& vehicle) {
-  std::vector<const LinkModel*> links{&vehicle.link};
-  if (vehicle.feed_forward) links.push_back(&vehicle.feed_forward->link);
-  return links;
 }
 
 bool any_link(const PlatoonModel& model, const std::function<bool(const LinkModel&)>& condition) {
   const std::vector<std::size_t> order = type_order(model);
   return std::any_of(order.begin(), order.end(), [&](std::size_t type) {
-    const std::vector<const LinkModel*> links = links_of(model.types.at(type).vehicle);
-    return std::any_of(links.begin(), links.end(), [&](const LinkModel* link) { return condition(*link); });
+    const std::vector<Input>& inputs = model.types.at(type).vehicle.inputs;
+    return std::any_of(inputs.begin(), inputs.end(), [&](const Input& input) { return condition(input.link); });
   });
 }
 
@@ -121,18 +112,18 @@ bool is_homogeneous(const PlatoonModel& model) {
 }
 
 bool is_papers(const PlatoonModel& model) {
-  return is_homogeneous(model) && !has_feed_forward(model) && !has_limits(model) &&
-         model.default_vehicle().link.is_white_noise_only();
+  return is_homogeneous(model) && !has_radios(model) && !has_limits(model) &&
+         model.default_vehicle().position().link.is_white_noise_only();
 }
 
-bool has_feed_forward(const PlatoonModel& model) {
+bool has_radios(const PlatoonModel& model) {
   const std::vector<std::size_t> order = type_order(model);
   return std::any_of(order.begin(), order.end(),
-                     [&](std::size_t type) { return model.types[type].vehicle.feed_forward.has_value(); });
+                     [&](std::size_t type) { return model.types[type].vehicle.radio() != nullptr; });
 }
 
 bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers) {
-  return sender < followers && vehicle(model, sender + 1).feed_forward.has_value();
+  return sender < followers && vehicle(model, sender + 1).radio() != nullptr;
 }
 
 bool depends_on_gap(const PlatoonModel& model) {
@@ -190,7 +181,7 @@ double start_place(const PlatoonModel& model, std::size_t follower) {
   if (!starts_steady(model)) return place;
   const double leader = model.recorded_leader.empty() ? 0.0 - slope : model.recorded_leader.front();
   return leader + place + slope * place_of(model, follower, [](const VehicleModel& own) {
-                            return own.headway + static_cast<double>(own.link.delay);
+                            return own.headway + static_cast<double>(own.position().link.delay);
                           });
 }
 

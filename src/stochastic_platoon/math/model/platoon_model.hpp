@@ -20,31 +20,48 @@ struct InitialPosition {
   double variance = 0.0;  ///< [m^2], >= 0
 };
 
-/// The radio into a follower, in addition to the link that measures positions: it feeds the predecessor's control input
-/// u forward, with H = (1 + h) - h / z if it has a headway filter and 1 otherwise,
+/// What an input of a follower carries.
+enum class InputSignal { position, input };
+
+/// What a follower receives from its predecessor, over a link of its own: the position y, or by radio the control input
+/// u, which it feeds forward. With H = (1 + h) - h / z if the vehicle has a headway filter and 1 otherwise,
 /// \f[ H u_i = K (y_{i-1} + n_i - ((1 + h) - h / z) y_i) + F (z^{-m} u_{i-1} + d_i), \qquad y_i = G u_i. \f]
 /// The input of step k is known one step after the position of step k, so m >= 1: v(k) = u(k-1) is sent with the
 /// position of step k, and the link delays it by m - 1 steps.
-struct FeedForward {
-  double gain = 1.0;            ///< F
-  double noise_variance = 0.0;  ///< of d_i [(m/s^2)^2]
+struct Input {
+  InputSignal signal = InputSignal::position;
+  double noise_variance = 0.0;  ///< >= 0, P_d of positions [m^2], else [(m/s^2)^2]
+  double gain = 1.0;            ///< F; 1 for positions
   LinkModel link = {};          ///< its delay is m
+
+  /// Steps between sending and arrival.
+  std::int64_t delay() const { return signal == InputSignal::input ? link.delay - 1 : link.delay; }
 };
 
-bool operator==(const FeedForward& one, const FeedForward& other);
+bool operator==(const Input& one, const Input& other);
 
-/// Per-follower part of the model: the vehicle, its spacing and the links into it.
+/// As in model files: "position", "input".
+const char* name_of(InputSignal signal);
+
+/// Per-follower part of the model: the vehicle, its spacing and what it receives.
 struct VehicleModel {
   ClosedLoop loop;
-  double headway;                    ///< h > 0, in sample periods
-  double standstill_distance = 0.0;  ///< delta >= 0 [m], to its predecessor
-  double noise_variance = 0.0;       ///< P_d >= 0 [m^2]
+  double headway;                         ///< h > 0, in sample periods
+  double standstill_distance = 0.0;       ///< delta >= 0 [m], to its predecessor
+  std::vector<Input> inputs = {Input()};  ///< the position, and with a radio the control input of the predecessor
   InitialPosition initial_position = {};
   std::optional<LoopDesign> design = {};  ///< none if the closed loop itself was given
-  LinkModel link = {};
-  std::optional<FeedForward> feed_forward = {};  ///< none: the vehicle has no radio
-  double length = 0.0;                           ///< >= 0 [m]; y is the position of the front
-  VehicleLimits limits = {};                     ///< of vehicles with a design only
+  double length = 0.0;                    ///< >= 0 [m]; y is the position of the front
+  VehicleLimits limits = {};              ///< of vehicles with a design only
+
+  const Input& position() const { return inputs.front(); }
+  Input& position() { return inputs.front(); }
+  const Input* radio() const { return inputs.size() > 1 ? &inputs.back() : nullptr; }  ///< null: none
+  Input* radio() { return inputs.size() > 1 ? &inputs.back() : nullptr; }
+
+  /// The link whose losses with_loss() varies: the radio's if there is one, else that of positions.
+  const LinkModel& varied_link() const { return inputs.back().link; }
+  LinkModel& varied_link() { return inputs.back().link; }
 };
 
 /// Parameters that a vehicle type takes from the default vehicle, including later changes of them.
@@ -52,7 +69,7 @@ struct Inherited {
   bool headway = false;
   bool plant = false;
   bool controller = false;
-  bool loss_probability = false;  ///< of its varied_link()
+  bool loss_probability = false;  ///< of VehicleModel::varied_link()
   bool mean_burst = false;        ///< of the same
 };
 
@@ -114,13 +131,6 @@ PlatoonModel with_gain(PlatoonModel model, double gain);
 PlatoonModel with_loss(PlatoonModel model, double probability);
 PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst);
 
-/// The link of a vehicle whose losses with_loss() varies: the radio if it has one, else the link of positions.
-LinkModel& varied_link(VehicleModel& vehicle);
-const LinkModel& varied_link(const VehicleModel& vehicle);
-
-/// The links into a vehicle: that of positions, and that of its radio if it has one.
-std::vector<const LinkModel*> links_of(const VehicleModel& vehicle);
-
 /// Whether a link of the string satisfies a condition.
 bool any_link(const PlatoonModel& model, const std::function<bool(const LinkModel&)>& condition);
 
@@ -133,10 +143,10 @@ bool is_homogeneous(const PlatoonModel& model);
 /// Whether the platoon is the paper's: homogeneous, over channels that only add white noise.
 bool is_papers(const PlatoonModel& model);
 
-/// Whether a follower of the string feeds its predecessor's input forward. Then all vehicles are computed part by part.
-bool has_feed_forward(const PlatoonModel& model);
+/// Whether a follower of the string has a radio. Then all vehicles are computed part by part.
+bool has_radios(const PlatoonModel& model);
 
-/// Whether vehicle `sender`, 0 .. followers - 1, has a follower that feeds its input forward.
+/// Whether vehicle `sender`, 0 .. followers - 1, has a follower that receives its input.
 bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers);
 
 /// Whether the losses of a link of the string depend on the gap.

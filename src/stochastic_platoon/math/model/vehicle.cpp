@@ -12,7 +12,7 @@ FollowerVehicle::FollowerVehicle(const PlatoonModel& model, const WhiteNoise& no
   slope_ = start_slope(model);
   initial_deviation_ = standard_deviation("variance of the initial positions", own.initial_position.variance);
   standstill_distance_ = own.standstill_distance;
-  if (own.feed_forward) feed_forward_gain_ = own.feed_forward->gain;
+  if (own.radio() != nullptr) feed_forward_gain_ = own.radio()->gain;
 }
 
 void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions) {

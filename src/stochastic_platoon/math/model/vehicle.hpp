@@ -24,7 +24,7 @@ public:
 
   /// Computes the vehicle's position at step k + 1 from the predecessor's received position at step k. All arrays have
   /// the size of the batch. A vehicle with feed-forward also needs the predecessor's input as received at step k; any
-  /// vehicle by parts writes its own input u(k), which is sent at step k + 1 (see FeedForward).
+  /// vehicle by parts writes its own input u(k), which is sent at step k + 1 (see Input).
   void step(const double* received, double* positions, const double* heard = nullptr, double* own_input = nullptr) {
     loop_->step(received, standstill_distance_, positions, {heard, feed_forward_gain_, own_input});
   }

@@ -59,8 +59,8 @@ ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t f
   const StringMatrices string =
       string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, followers);
   const InitialString initial = initial_string(model, followers);
-  const Eigen::MatrixXd first = model.default_vehicle().noise_variance * string.b_a * string.b_a.transpose();
-  const Eigen::MatrixXd later = noise_covariance(string, model.default_vehicle().noise_variance);
+  const Eigen::MatrixXd first = model.default_vehicle().position().noise_variance * string.b_a * string.b_a.transpose();
+  const Eigen::MatrixXd later = noise_covariance(string, model.default_vehicle().position().noise_variance);
   Eigen::VectorXd mean = initial.mean;
   Eigen::MatrixXd covariance = initial.covariance;
   const auto count = static_cast<std::size_t>(steps);

@@ -32,14 +32,14 @@ GapLaw::GapLaw(const PlatoonModel& model, std::size_t followers, std::int64_t st
           });
     };
     const VehicleModel& own = responses.model(place);
-    const auto over_link = [&](std::size_t link, const LinkModel& of) {
-      return responses.vehicle(place)
-          .over_link(link, of.has_white_noise() ? responses.impulse() : responses.filtered_impulse(of.noise_filter))
-          .own;
-    };
-    add(kPosition, own.noise_variance, [&] { return over_link(0, own.link); });
-    if (own.feed_forward)
-      add(kRadio, own.feed_forward->noise_variance, [&] { return over_link(1, own.feed_forward->link); });
+    for (std::size_t n = 0; n < own.inputs.size(); ++n) {
+      const LinkModel& link = own.inputs[n].link;
+      add(n == 0 ? kPosition : kRadio, own.inputs[n].noise_variance, [&] {
+        return responses.vehicle(place)
+            .over_link(n, link.has_white_noise() ? responses.impulse() : responses.filtered_impulse(link.noise_filter))
+            .own;
+      });
+    }
     add(kStart, own.initial_position.variance, [&] { return responses.vehicle(place).free_motion(steps_); });
   }
 }
@@ -78,7 +78,7 @@ std::vector<Eigen::MatrixXd> GapLaw::covariances() const {
 }
 
 double GapLaw::response(const DrawName& draw, std::size_t follower, std::size_t step) const {
-  const std::uint32_t from = draw.vehicle % kRadioReceiver;
+  const std::uint32_t from = draw.vehicle % kInputStream;
   if (from > follower || draw.purpose != Purpose::noise || draw.step >= static_cast<std::int64_t>(step)) return 0.0;
   const Kind kind = draw.step < 0 ? kStart : draw.vehicle == from ? kPosition : kRadio;
   const Row* const f = row(kind, from, follower - from);

@@ -6,7 +6,7 @@
 namespace platoon {
 
 VehicleResponse::VehicleResponse(const VehicleModel& vehicle) {
-  if (vehicle.feed_forward) feed_forward_ = vehicle.feed_forward->gain;
+  if (vehicle.radio() != nullptr) feed_forward_ = vehicle.radio()->gain;
   if (vehicle.design && vehicle.design->sends_input) {
     parts_ = loop_parts<long double>(*vehicle.design, vehicle.headway);
   } else {

@@ -19,7 +19,7 @@ PlatoonString::PlatoonString(const PlatoonModel& model, const WhiteNoise& noise,
     followers_.emplace_back(model, noise, i);
     links_.emplace_back(model, noise, i);
     radios_.emplace_back();
-    if (sends_input(model, i - 1, followers)) radios_.back().emplace(Link::radio(model, noise, i));
+    if (sends_input(model, i - 1, followers)) radios_.back().emplace(Link(model, noise, i, 1));
   }
 }
 

@@ -51,12 +51,12 @@ void for_each_trajectory(const PlatoonModel& model, const WhiteNoise& noise, std
   Trajectory predecessor = of_leader(model, count, sends_input(model, 0, followers) || has_limits(model));
   take(predecessor);
   for (std::uint32_t i = 1; i <= followers; ++i) {
-    const bool hears = vehicle(model, i).feed_forward.has_value(),
+    const bool hears = vehicle(model, i).radio() != nullptr,
                has_input = sends_input(model, i, followers) || measures_input(model, signals, i);
     FollowerVehicle follower(model, noise, i);
     Link link(model, noise, i);
     std::optional<Link> radio;
-    if (hears) radio.emplace(Link::radio(model, noise, i));
+    if (hears) radio.emplace(model, noise, i, 1);
     Trajectory of;
     of.position.resize(1);
     follower.start(realization, 1, of.position);

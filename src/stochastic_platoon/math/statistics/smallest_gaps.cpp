@@ -78,7 +78,7 @@ bool operator<(const PlacedGap& one, const PlacedGap& other) {
 
 GapCounting gap_counting(const PlatoonModel& model, std::size_t followers) {
   double variance = 0.0;
-  for (const VehicleType& type : model.types) variance = std::max(variance, type.vehicle.noise_variance);
+  for (const VehicleType& type : model.types) variance = std::max(variance, type.vehicle.position().noise_variance);
   const double most = variance > 0.0 ? std::sqrt(variance) / 5.0 : 0.01;
   // As a quotient of whole numbers, so that the bins' ends have few digits.
   double width = 1.0, divisor = 1.0;

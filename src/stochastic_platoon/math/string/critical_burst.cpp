@@ -15,7 +15,7 @@ constexpr double kBesideAlternation = 1.001;  // a chain of q = 1/2 with mean bu
 double least_burst(const PlatoonModel& model) {
   double least = 1.0;
   for (const VehicleType& type : model.types) {
-    const LinkModel& link = varied_link(type.vehicle);
+    const LinkModel& link = type.vehicle.varied_link();
     if (!type.inherited.mean_burst || !link.loses()) continue;
     const LossModel& loss = *link.loss;
     least = std::max(least, loss.probability == 0.5 ? kBesideAlternation : loss.least_burst());
@@ -27,7 +27,7 @@ double least_burst(const PlatoonModel& model) {
 
 std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
   const std::vector<std::string> types = types_with_default(model, &Inherited::mean_burst);
-  const LinkModel& own = varied_link(model.default_vehicle());
+  const LinkModel& own = model.default_vehicle().varied_link();
   if (!own.loses() || own.loss->markov || types.empty()) return std::nullopt;
   const double least = least_burst(model);
   CriticalBurst found{least, std::max(kLongest, 2.0 * least), {}, true, types};

@@ -28,8 +28,8 @@ public:
   explicit DelayAtFrequency(const VehicleModel& vehicle)
       : filtered_(vehicle.design->headway_filter),
         headway_(vehicle.headway),
-        gain_(vehicle.feed_forward->gain),
-        position_delay_(static_cast<long double>(vehicle.link.delay)) {
+        gain_(vehicle.radio()->gain),
+        position_delay_(static_cast<long double>(vehicle.position().link.delay)) {
     const ExactTransfer &plant = vehicle.design->plant.exact(), &controller = vehicle.design->controller.exact();
     ExactPolynomial denominator = multiply(plant.denominator, controller.denominator);
     if (vehicle.design->divide_by_one_plus_headway) {
@@ -99,12 +99,12 @@ double smallest_delay(const DelayAtFrequency& delay_at) {
 
 std::optional<double> critical_delay(const PlatoonModel& model) {
   const VehicleModel& own = model.default_vehicle();
-  if (!is_homogeneous(model) || !own.feed_forward || own.feed_forward->gain == 0.0 || !own.design) return std::nullopt;
+  if (!is_homogeneous(model) || own.radio() == nullptr || own.radio()->gain == 0.0 || !own.design) return std::nullopt;
   const LinkedPattern pattern(model);
   if (pattern.has_losses() || !pattern.mean_square_stable()) return std::nullopt;
   const auto is_stable = [&](double delay) {
     PlatoonModel delayed = model;
-    delayed.default_vehicle().feed_forward->link.delay = static_cast<std::int64_t>(delay);
+    delayed.default_vehicle().radio()->link.delay = static_cast<std::int64_t>(delay);
     return LinkedPattern(delayed, pattern).gain_margin() > 0.0;
   };
   if (!is_stable(1.0)) return std::nullopt;

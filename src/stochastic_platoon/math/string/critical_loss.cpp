@@ -12,11 +12,11 @@ namespace {
 // If the default vehicle's link has no loss stage, adds one that holds the last value, to it and to every such link
 // without one.
 PlatoonModel with_loss_stage(PlatoonModel model) {
-  if (varied_link(model.default_vehicle()).loss) return model;
-  const bool radio = model.default_vehicle().feed_forward.has_value();
+  if (model.default_vehicle().varied_link().loss) return model;
+  const std::size_t inputs = model.default_vehicle().inputs.size();
   for (VehicleType& type : model.types) {
-    if (varied_link(type.vehicle).loss || type.vehicle.feed_forward.has_value() != radio) continue;
-    varied_link(type.vehicle).loss = LossModel{};
+    if (type.vehicle.varied_link().loss || type.vehicle.inputs.size() != inputs) continue;
+    type.vehicle.varied_link().loss = LossModel{};
     type.inherited.loss_probability = true;
   }
   return model;
@@ -27,8 +27,8 @@ PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
   const PlatoonModel given = model;
   model = with_loss(std::move(model), probability);
   for (std::size_t i = 0; i < model.types.size(); ++i) {
-    std::optional<LossModel>& loss = varied_link(model.types[i].vehicle).loss;
-    if (loss) loss->mean_burst = varied_link(given.types[i].vehicle).loss->mean_burst;
+    std::optional<LossModel>& loss = model.types[i].vehicle.varied_link().loss;
+    if (loss) loss->mean_burst = given.types[i].vehicle.varied_link().loss->mean_burst;
   }
   return model;
 }
@@ -37,7 +37,7 @@ PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
 double largest_probability(const PlatoonModel& model) {
   double largest = 0.99;
   for (const VehicleType& type : model.types) {
-    const std::optional<LossModel>& loss = varied_link(type.vehicle).loss;
+    const std::optional<LossModel>& loss = type.vehicle.varied_link().loss;
     if (!type.inherited.loss_probability || !loss->mean_burst) continue;
     const double burst = *loss->mean_burst;
     largest = std::min(largest, burst > 1.0 ? burst / (1.0 + burst) : 0.499);
@@ -48,19 +48,19 @@ double largest_probability(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
-  const std::optional<LossModel>& own_loss = varied_link(given.default_vehicle()).loss;
+  const std::optional<LossModel>& own_loss = given.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return std::nullopt;
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
-  const int stride = varied_link(given.default_vehicle()).loss ? 1 : 5;  // in hundredths
+  const int stride = given.default_vehicle().varied_link().loss ? 1 : 5;  // in hundredths
   const bool bursts = has_bursts(model);
   const double largest = bursts ? largest_probability(model) : 0.99;
   std::vector<double> samples;
   for (int i = 0; i < 99 && 0.01 * i < largest; i += stride) samples.push_back(0.01 * i);
   samples.push_back(largest);
   StableLosses losses{{}, {}, types, largest};
-  const double own = varied_link(model.default_vehicle()).loss->probability;
+  const double own = model.default_vehicle().varied_link().loss->probability;
   const auto place = std::lower_bound(samples.begin(), samples.end(), own);
   if (place != samples.end() && *place != own) samples.insert(place, own);
   const VariedMargins margins = varied_margins(

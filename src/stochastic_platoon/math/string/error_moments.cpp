@@ -80,7 +80,7 @@ public:
         const double a = placed ? placed_now[k + 1] : 0.0;
         energy += noise_now[k] * noise_now[k];
         mean_shift[k] += initial.mean * a;
-        variance[k] += vehicle_.noise_variance * energy + initial.variance * a * a;
+        variance[k] += vehicle_.position().noise_variance * energy + initial.variance * a * a;
         moments.mean.push_back(leader[k] + mean_shift[k]);
         moments.variance.push_back(variance[k]);
       }

@@ -47,9 +47,9 @@ RoundingGains rounding_gains(const StateSpace& vehicle, double headway, std::siz
 std::vector<double> largest_positions(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
   constexpr double kDeviations = 8.0;
   const InitialPosition& initial = model.default_vehicle().initial_position;
-  const double spread = static_cast<double>(followers) * model.default_vehicle().standstill_distance +
-                        std::abs(initial.mean) +
-                        kDeviations * (std::sqrt(initial.variance) + std::sqrt(model.default_vehicle().noise_variance));
+  const double spread =
+      static_cast<double>(followers) * model.default_vehicle().standstill_distance + std::abs(initial.mean) +
+      kDeviations * (std::sqrt(initial.variance) + std::sqrt(model.default_vehicle().position().noise_variance));
   std::vector<double> largest;
   double farthest = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
@@ -75,13 +75,12 @@ std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const Erro
   for (const VehicleModel& vehicle : pattern(model)) {
     PlatoonModel alike = model;
     alike.string.clear();
-    alike.default_vehicle().link = LinkModel();
-    alike.default_vehicle().feed_forward.reset();
+    alike.default_vehicle().inputs = {{InputSignal::position, alike.default_vehicle().position().noise_variance}};
     alike.default_vehicle().loop = vehicle.loop;
     alike.default_vehicle().headway = vehicle.headway;
     double predicted = 1.0;
-    if (vehicle.link.loss) {
-      for (const double c : vehicle.link.loss->predictor) predicted += std::abs(c);
+    if (const std::optional<LossModel>& loss = vehicle.position().link.loss) {
+      for (const double c : loss->predictor) predicted += std::abs(c);
     }
     const std::vector<double> bounds = rounding_bounds(alike, error_moments(alike, moments.followers, moments.steps));
     for (std::size_t c = 0; c < bounds.size(); ++c) largest[c] = std::max(largest[c], predicted * bounds[c]);
@@ -98,9 +97,9 @@ std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoment
       rounding_gains(model.default_vehicle().loop.realization, model.default_vehicle().headway, steps);
   const std::vector<double> largest = largest_positions(model, moments.followers, steps);
   std::vector<double> unit_variance;
-  if (model.default_vehicle().noise_variance == 0.0) {
+  if (model.default_vehicle().position().noise_variance == 0.0) {
     PlatoonModel noisy = model;
-    noisy.default_vehicle().noise_variance = 1.0;
+    noisy.default_vehicle().position().noise_variance = 1.0;
     noisy.default_vehicle().initial_position.variance = 0.0;
     noisy.recorded_leader.clear();
     unit_variance = error_moments(noisy, moments.followers, moments.steps).variance;
@@ -110,8 +109,9 @@ std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoment
   for (std::size_t i = 1; i <= moments.followers; ++i) {
     for (std::size_t k = 0; k < steps; ++k) {
       const std::size_t c = (i - 1) * steps + k;
-      const double unit =
-          unit_variance.empty() ? moments.variance[c] / model.default_vehicle().noise_variance : unit_variance[c];
+      const double unit = unit_variance.empty()
+                              ? moments.variance[c] / model.default_vehicle().position().noise_variance
+                              : unit_variance[c];
       const double ahead = 1.0 + std::sqrt(static_cast<double>(i) * static_cast<double>(k + 1) * unit);
       bounds.push_back(
           kRoundoff * largest[k] *

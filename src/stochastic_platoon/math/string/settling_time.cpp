@@ -18,10 +18,11 @@ double loss_radius(const LossModel& loss) {
 
 double slowest_radius(const VehicleModel& vehicle) {
   double radius = spectral_radius(vehicle.loop);
-  for (const LinkModel* link : links_of(vehicle)) {
-    if (link->loses()) radius = std::max(radius, loss_radius(*link->loss));
-    if (!link->has_white_noise())
-      radius = std::max(radius, spectral_radius(delta_form(link->noise_filter.denominator())));
+  for (const Input& input : vehicle.inputs) {
+    const LinkModel& link = input.link;
+    if (link.loses()) radius = std::max(radius, loss_radius(*link.loss));
+    if (!link.has_white_noise())
+      radius = std::max(radius, spectral_radius(delta_form(link.noise_filter.denominator())));
   }
   return radius;
 }
@@ -39,7 +40,7 @@ std::optional<std::int64_t> SettlingTime::steps(std::size_t followers) const {
   for (std::size_t i = 0; i < followers; ++i) {
     const VehicleModel& vehicle = vehicles_[i % vehicles_.size()];
     delays += static_cast<double>(vehicle.loop.realization.order()) +
-              static_cast<double>(std::max(vehicle.link.delay, varied_link(vehicle).delay));
+              static_cast<double>(std::max(vehicle.position().link.delay, vehicle.varied_link().delay));
   }
   const double n = static_cast<double>(followers), l = std::log(1e6);
   const double decay = radius_ > 0.0 ? (n + std::sqrt(2.0 * n * l) + l) / -std::log(radius_) : 0.0;

@@ -88,8 +88,8 @@ private:
   // Adds the noises and the initial positions of the vehicles at `place` and its repetitions.
   void add_sources(std::size_t place) {
     const VehicleModel& vehicle = responses_.model(place);
-    add_noise(place, 0, vehicle.link, vehicle.noise_variance);
-    if (vehicle.feed_forward) add_noise(place, 1, vehicle.feed_forward->link, vehicle.feed_forward->noise_variance);
+    for (std::size_t link = 0; link < vehicle.inputs.size(); ++link)
+      add_noise(place, link, vehicle.inputs[link].link, vehicle.inputs[link].noise_variance);
     const double placed = vehicle.initial_position.variance;
     if (placed > 0.0) add_source(place, responses_.vehicle(place).free_motion(steps_), placed, false);
   }

@@ -31,8 +31,8 @@ Wording wording(const LinkedPattern& pattern) {
 
 const char* gain_name(const VehicleModel& first, std::size_t vehicles) {
   if (vehicles > 1) return "|T^| of one pattern";
-  if (first.feed_forward) return "|Gamma|";
-  return first.link.is_white_noise_only() ? "|T|" : "|T^|";
+  if (first.radio() != nullptr) return "|Gamma|";
+  return first.position().link.is_white_noise_only() ? "|T|" : "|T^|";
 }
 
 /// Judges |prod T^| alone: sets the peak, mean_bounded and, for a negative verdict, the reason. True if |prod T^| < 1
@@ -92,7 +92,7 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
   }
   const double losses = loss_gain(pattern);
   const bool has_stage = std::any_of(pattern.types.begin(), pattern.types.end(), [](const auto& v) {
-    return v.vehicle().link.loss || varied_link(v.vehicle()).loss;
+    return v.vehicle().position().link.loss || v.vehicle().varied_link().loss;
   });
   if (has_stage) verdict.loss_gain = losses;
   if (!judge_losses(losses, wording(pattern), verdict)) return;

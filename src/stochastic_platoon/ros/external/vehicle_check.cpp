@@ -64,8 +64,7 @@ Configuration spaced_otherwise(Configuration configuration) {
 
 VehicleCheck::VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next,
                            std::size_t vehicle, double patience)
-    : SimulatedPredecessor(platoon, vehicle, patience,
-                           platoon::vehicle(present.model, vehicle).feed_forward.has_value()),
+    : SimulatedPredecessor(platoon, vehicle, patience, platoon::vehicle(present.model, vehicle).radio() != nullptr),
       present_(present),
       next_(next) {}
 

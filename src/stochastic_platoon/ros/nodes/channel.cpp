@@ -35,26 +35,28 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
 
 std::vector<Channel::Kind> Channel::kinds_of(const Configuration& configuration, std::uint32_t first,
                                              std::uint32_t last) {
-  const auto by_gap = [](const LinkModel& link) { return link.loses() && link.loss->by_distance; };
   std::vector<Kind> kinds;
   for (std::uint32_t i = first; i <= last; ++i) {
-    const VehicleModel& of = vehicle(configuration.model, i);
-    kinds.push_back({i, false, by_gap(of.link)});
-    if (of.feed_forward) kinds.push_back({i, true, by_gap(of.feed_forward->link)});
+    const std::vector<Input>& inputs = vehicle(configuration.model, i).inputs;
+    for (std::uint32_t n = 0; n < inputs.size(); ++n) {
+      const LinkModel& link = inputs[n].link;
+      kinds.push_back({i, n, inputs[n].signal, link.loses() && link.loss->by_distance});
+    }
   }
   return kinds;
 }
 
 Channel::Wire Channel::wire(const Kind& kind) {
   const std::uint32_t i = kind.follower;
-  Wire wire{kind, platoon_.advertise<Position>(kind.radio ? predecessor_input_topic(i) : predecessor_position_topic(i),
-                                               kUnboundedQueue)};
+  Wire wire{kind, platoon_.advertise<Position>(
+                      kind.carries_positions() ? predecessor_position_topic(i) : predecessor_input_topic(i),
+                      kUnboundedQueue)};
   const auto add = [this, &wire](Role role, const std::string& topic, std::uint32_t first_loss) {
     wire.streams.push_back({role, PositionInput(membership_, platoon_, topic, " (channel)"), first_loss});
   };
-  add(Role::sent, kind.radio ? input_topic(i - 1) : position_topic(i - 1), i);
+  add(Role::sent, kind.carries_positions() ? position_topic(i - 1) : input_topic(i - 1), i);
   if (kind.depends_on_gap) add(Role::own, position_topic(i), i + 1);
-  if (kind.depends_on_gap && kind.radio) add(Role::predecessor, position_topic(i - 1), i);
+  if (kind.depends_on_gap && !kind.carries_positions()) add(Role::predecessor, position_topic(i - 1), i);
   return wire;
 }
 
@@ -67,8 +69,7 @@ bool Channel::begin(const Configuration& configuration) {
   run_ = run;
   snapshots_->set_rate(run.rate);
   for (Wire& wire : wires_) {
-    wire.link.emplace(wire.kind.radio ? Link::radio(configuration.model, run.seed, wire.kind.follower)
-                                      : Link(configuration.model, run.seed, wire.kind.follower));
+    wire.link.emplace(configuration.model, run.seed, wire.kind.follower, wire.kind.input);
     wire.waiting = {};
     for (Stream& stream : wire.streams) {
       stream.order.reset();
@@ -97,7 +98,8 @@ void Channel::receive(Wire& wire, Role role, const Position::ConstPtr& message) 
   if (!wire.kind.depends_on_gap) return transmit(wire, *message, {});
   if (role == Role::sent) wire.waiting.add_sent(message);
   if (role == Role::own) wire.waiting.add_own(message);
-  if (role == Role::predecessor || (role == Role::sent && !wire.kind.radio)) wire.waiting.add_predecessor(message);
+  if (role == Role::predecessor || (role == Role::sent && wire.kind.carries_positions()))
+    wire.waiting.add_predecessor(message);
   wire.waiting.visit(membership_.run(), [&](const Position& sent, const Position* predecessor, const Position* own) {
     transmit(wire, sent, own == nullptr ? LinkEnds{} : LinkEnds{predecessor->position.data(), own->position.data()});
   });
@@ -110,7 +112,7 @@ void Channel::transmit(Wire& wire, const Position& message, const LinkEnds& befo
   set_id(message.run, id, *received);
   wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message.position, received->position,
                       before);
-  if (!wire.kind.radio && snapshots_->wanted()) snapshots_->take(wire.kind.follower - 1, *received);
+  if (wire.kind.carries_positions() && snapshots_->wanted()) snapshots_->take(wire.kind.follower - 1, *received);
   publish(wire.received, received);
 }
 

@@ -45,14 +45,18 @@ public:
   VitalSigns::Sources sources() const;
 
 private:
-  /// The messages that a wire transmits.
+  /// An input of a follower, whose messages a wire transmits.
   struct Kind {
+    bool carries_positions() const { return signal == InputSignal::position; }
+
     std::uint32_t follower;
-    bool radio;           ///< inputs, not positions
+    std::uint32_t input;  ///< its index in VehicleModel::inputs
+    InputSignal signal;
     bool depends_on_gap;  ///< its losses depend on it: the wire also receives the positions of both ends
   };
   friend bool operator==(const Kind& one, const Kind& other) {
-    return one.follower == other.follower && one.radio == other.radio && one.depends_on_gap == other.depends_on_gap;
+    return one.follower == other.follower && one.input == other.input && one.signal == other.signal &&
+           one.depends_on_gap == other.depends_on_gap;
   }
 
   /// The messages to transmit, or the positions of an end of the link.

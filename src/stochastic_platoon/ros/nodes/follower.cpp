@@ -51,7 +51,7 @@ void Follower::begin(const Configuration& configuration) {
   }
   const BatchSchedule schedule = configuration.run.schedule();
   run_state_.emplace(RunState{schedule, publishes_ahead(index_, followers, configuration.run.pipeline_depth()),
-                              vehicle(configuration.model, index_).feed_forward.has_value(),
+                              vehicle(configuration.model, index_).radio() != nullptr,
                               sends_input(configuration.model, index_, followers) || is_measured(configuration, index_),
                               platoon_period(configuration.model.sample_period),
                               FollowerVehicle(configuration.model, configuration.run.seed, index_),

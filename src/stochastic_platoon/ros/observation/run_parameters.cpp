@@ -24,7 +24,7 @@ void set_run_parameters(const ros::NodeHandle& platoon, const Configuration& con
   const VehicleModel& vehicle = configuration.model.default_vehicle();
   platoon.setParam("headway", vehicle.headway);
   platoon.setParam("headway_seconds", vehicle.headway * configuration.model.sample_period);
-  platoon.setParam("noise_variance", vehicle.noise_variance);
+  platoon.setParam("noise_variance", vehicle.position().noise_variance);
   const nlohmann::json run = to_json(configuration.run);
   // An absent option becomes an empty text: the parameter of an earlier run must not remain.
   for (const Setting& setting : settings()) {

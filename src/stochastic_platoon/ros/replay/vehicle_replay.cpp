@@ -74,7 +74,7 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
     sent_.push_back({kind, platoon.advertise<Position>(topic, kUnboundedQueue)});
   };
   add(PlatoonTopic::Kind::predecessor_position, predecessor_position_topic(vehicle));
-  if (platoon::vehicle(configuration.model, vehicle).feed_forward)
+  if (platoon::vehicle(configuration.model, vehicle).radio() != nullptr)
     add(PlatoonTopic::Kind::predecessor_input, predecessor_input_topic(vehicle));
   if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
   open();

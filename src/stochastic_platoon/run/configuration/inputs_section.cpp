@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::int64_t kLongestRadioDelay = 100;
 
-FeedForward read_radio(Section& input, bool allow_unstable) {
-  FeedForward radio;
+Input read_radio(Section& input, bool allow_unstable) {
+  Input radio{InputSignal::input};
   const std::size_t before = input.problems();
   if (input.has("gain")) radio.gain = input.number("gain", kAnyFinite);
   if (input.problems() == before && radio.gain == 0.0)
@@ -20,7 +20,7 @@ FeedForward read_radio(Section& input, bool allow_unstable) {
   if (channel.is_mapping() && !channel.has("delay")) {
     channel.reject("delay", "missing", "1 or more: the input of step k is known one step later");
   } else if (channel.is_mapping()) {
-    radio.link = read_link(channel, LinkModel(), allow_unstable, LinkedSignal::input);
+    radio.link = read_link(channel, LinkModel(), allow_unstable, InputSignal::input);
     const std::int64_t m = radio.link.delay;
     if (m < 1) channel.reject("delay", std::to_string(m), "1 or more: the input of step k is known one step later");
     if (m > kLongestRadioDelay)
@@ -34,8 +34,9 @@ FeedForward read_radio(Section& input, bool allow_unstable) {
 
 GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unstable) {
   GivenInputs given;
-  vehicle.feed_forward.reset();
-  vehicle.link = LinkModel();
+  vehicle.inputs = {{InputSignal::position, vehicle.position().noise_variance}};
+  Input& own_position = vehicle.position();
+  std::optional<Input> radio;
   std::size_t positions = 0, inputs = 0;
   for (Section& input : section.sections("inputs")) {
     const std::size_t before = input.problems();
@@ -43,14 +44,15 @@ GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unst
     if (input.problems() > before) return given;
     if (input.has("from")) input.choice("from", {"predecessor"});
     if (signal == "input" && ++inputs == 1) {
-      vehicle.feed_forward = read_radio(input, allow_unstable);
+      radio = read_radio(input, allow_unstable);
     } else if (signal == "position" && ++positions == 1) {
       given = {input.has("noise_variance"), input.has("channel")};
-      if (given.noise_variance) vehicle.noise_variance = input.number("noise_variance", kNotNegative);
-      if (given.channel) vehicle.link = read_link(input.section("channel"), vehicle.link, allow_unstable);
+      if (given.noise_variance) own_position.noise_variance = input.number("noise_variance", kNotNegative);
+      if (given.channel) own_position.link = read_link(input.section("channel"), own_position.link, allow_unstable);
     }
     if (inputs < 2 && positions < 2) input.reject_unknown_keys();
   }
+  if (radio) vehicle.inputs.push_back(*radio);
   if (positions != 1)
     section.reject("inputs", std::to_string(positions) + " positions", "one position, and one input or none");
   if (inputs > 1) section.reject("inputs", std::to_string(inputs) + " inputs", "one position, and one input or none");
@@ -64,18 +66,18 @@ GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unst
 
 nlohmann::json inputs_json(const VehicleModel& vehicle) {
   nlohmann::json inputs = {{{"signal", "position"}, {"from", "predecessor"}}};
-  if (!vehicle.feed_forward) return inputs;
-  const FeedForward& radio = *vehicle.feed_forward;
-  inputs.push_back({{"signal", "input"},
-                    {"from", "predecessor"},
-                    {"gain", radio.gain},
-                    {"noise_variance", radio.noise_variance},
-                    {"channel", to_json(radio.link)}});
+  if (const Input* const radio = vehicle.radio()) {
+    inputs.push_back({{"signal", name_of(radio->signal)},
+                      {"from", "predecessor"},
+                      {"gain", radio->gain},
+                      {"noise_variance", radio->noise_variance},
+                      {"channel", to_json(radio->link)}});
+  }
   return inputs;
 }
 
 void check_radios(PlatoonModel& model, Section& document) {
-  if (!has_feed_forward(model)) return;
+  if (!has_radios(model)) return;
   const std::size_t before = document.problems();
   for (VehicleType& type : model.types) {
     const auto report = [&](const std::string& problem) {

@@ -28,10 +28,10 @@ TransferFunction read_noise_filter(Section& link) {
   return filter;
 }
 
-std::vector<double> read_predictor(Section& section, LinkedSignal signal) {
+std::vector<double> read_predictor(Section& section, InputSignal signal) {
   if (!section.is_list("on_loss")) {
     std::vector<std::string> names{"hold", "extrapolate", "a list of coefficients of sum 1"};
-    if (signal == LinkedSignal::input) names.insert(names.begin() + 2, "zero");
+    if (signal == InputSignal::input) names.insert(names.begin() + 2, "zero");
     const std::string name = section.choice("on_loss", names);
     if (name == "zero") return {};
     return name == "extrapolate" ? std::vector<double>{2.0, -1.0} : std::vector<double>{1.0};
@@ -162,7 +162,7 @@ void check_growth(Section& section, const LossModel& loss) {
           loss.probability));
 }
 
-LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable, LinkedSignal signal) {
+LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable, InputSignal signal) {
   const std::size_t before = section.problems();
   LossModel loss = base.value_or(LossModel());
   if (section.has("by_distance")) {
@@ -217,7 +217,7 @@ nlohmann::json to_json(const LossModel& loss) {
 
 }  // namespace
 
-LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable, LinkedSignal signal) {
+LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable, InputSignal signal) {
   LinkModel link = base;
   if (section.has("noise_filter")) link.noise_filter = read_noise_filter(section);
   if (section.has("quantisation_step")) link.quantisation_step = section.number("quantisation_step", kNotNegative);

@@ -2,20 +2,17 @@
 
 #include <nlohmann/json.hpp>
 
-#include "stochastic_platoon/math/model/link_model.hpp"
+#include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 
 namespace platoon {
 
-/// The signal that a link carries. Only a lost input may be replaced by 0 (`on_loss: zero`): the vehicle then drives by
-/// its radar alone.
-enum class LinkedSignal { position, input };
-
 /// Reads the key `channel` of a vehicle; omitted keys are as in `base`. Reports all problems, including a noise filter
 /// that is improper or unstable, a mean burst for which no Markov chain exists, a predictor whose sum is not 1 and,
-/// unless `allow_unstable`, a predictor whose predictions grow without bound.
+/// unless `allow_unstable`, a predictor whose predictions grow without bound. Only a lost control input may be replaced
+/// by 0 (`on_loss: zero`): the vehicle then drives by its radar alone.
 LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable,
-                    LinkedSignal signal = LinkedSignal::position);
+                    InputSignal signal = InputSignal::position);
 
 /// JSON for read_link(): the differences from the paper's channel.
 nlohmann::json to_json(const LinkModel& link);

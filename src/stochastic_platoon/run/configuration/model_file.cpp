@@ -85,29 +85,29 @@ double read_headway(Section& section, double sample_period) {
 
 VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sample_period, bool allow_unstable) {
   VehicleModel vehicle = base != nullptr ? *base : VehicleModel{close_loop(placeholder_design(), 1.0), 1.0};
-  const auto number = [&](const char* key, const Allowed& allowed, double VehicleModel::*value) {
-    if (base == nullptr || section.has(key)) vehicle.*value = section.number(key, allowed);
+  const auto number = [&](const char* key, const Allowed& allowed, double& value) {
+    if (base == nullptr || section.has(key)) value = section.number(key, allowed);
   };
   if (base == nullptr || section.has("time_headway") || section.has("time_headway_seconds"))
     vehicle.headway = read_headway(section, sample_period);
-  number("standstill_distance", kNotNegative, &VehicleModel::standstill_distance);
+  number("standstill_distance", kNotNegative, vehicle.standstill_distance);
   if (section.has("vehicle_length")) vehicle.length = section.number("vehicle_length", kNotNegative);
   if (section.has("limits")) read_limits(section.section("limits"), vehicle.limits);
   const GivenInputs given = section.has("inputs") ? read_inputs(section, vehicle, allow_unstable) : GivenInputs{};
-  if (!given.noise_variance) number("noise_variance", kNotNegative, &VehicleModel::noise_variance);
+  if (!given.noise_variance) number("noise_variance", kNotNegative, vehicle.position().noise_variance);
   if (base == nullptr || section.has("initial_position"))
     vehicle.initial_position = read_initial_position(section.section("initial_position"));
   read_loop(section, base, sample_period, vehicle);
   if (!given.channel && section.has("channel"))
-    vehicle.link = read_link(section.section("channel"), vehicle.link, allow_unstable);
+    vehicle.position().link = read_link(section.section("channel"), vehicle.position().link, allow_unstable);
   return vehicle;
 }
 
 Inherited inherited_by(Section& type, const VehicleModel& base) {
-  const bool own_loop = type.has("closed_loop"), loses = varied_link(base).loss.has_value();
+  const bool own_loop = type.has("closed_loop"), loses = base.varied_link().loss.has_value();
   Inherited inherited{!type.has("time_headway") && !type.has("time_headway_seconds"), !own_loop && !type.has("plant"),
                       !own_loop && !type.has("controller"), loses && !type.has("inputs"), loses && !type.has("inputs")};
-  if (!inherited.loss_probability || base.feed_forward || !type.has("channel")) return inherited;
+  if (!inherited.loss_probability || base.radio() != nullptr || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
   Section loss = channel.section("loss");
@@ -206,7 +206,7 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
   nlohmann::json document = {
       {"time_headway", vehicle.headway},
       {"standstill_distance", vehicle.standstill_distance},
-      {"noise_variance", vehicle.noise_variance},
+      {"noise_variance", vehicle.position().noise_variance},
       {"initial_position", {{"mean", vehicle.initial_position.mean}, {"variance", vehicle.initial_position.variance}}}};
   if (vehicle.design) {
     document["plant"] = to_json(vehicle.design->plant);
@@ -243,26 +243,28 @@ nlohmann::json to_json(const PlatoonModel& model) {
   document["allow_unstable"] = model.allow_unstable;
   if (model.safe_gap) document["safe_gap"] = *model.safe_gap;
   if (model.start) document["start"] = *model.start == Start::steady ? "steady" : "rest";
-  const LinkModel& base = model.default_vehicle().link;
+  const VehicleModel& own = model.default_vehicle();
+  const LinkModel& base = own.position().link;
   const nlohmann::json link = to_json(base);
   if (!link.empty()) document["channel"] = link;
-  if (model.default_vehicle().feed_forward) document["inputs"] = inputs_json(model.default_vehicle());
+  if (own.radio() != nullptr) document["inputs"] = inputs_json(own);
   for (std::size_t i = 1; i < model.types.size(); ++i) {
     const VehicleType& type = model.types[i];
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
-    written["channel"] = full_link(type.vehicle.link);
+    written["channel"] = full_link(type.vehicle.position().link);
     if (type.vehicle.length != model.default_vehicle().length) written["vehicle_length"] = type.vehicle.length;
     // Inherited values stay inherited in every copy of the model.
     if (type.inherited.headway) written.erase("time_headway");
     if (type.inherited.plant) written.erase("plant");
     if (type.inherited.controller) written.erase("controller");
     if (type.inherited.plant && type.inherited.controller) written.erase("closed_loop");
-    if (!(type.vehicle.feed_forward == model.default_vehicle().feed_forward) ||
-        (base.loss && !type.vehicle.link.loss)) {
+    const Input *const radio = type.vehicle.radio(), *const other = own.radio();
+    const bool same_radio = radio != nullptr && other != nullptr ? *radio == *other : radio == other;
+    if (!same_radio || (base.loss && !type.vehicle.position().link.loss)) {
       written["inputs"] = inputs_json(type.vehicle);
       continue;
     }
-    if (type.vehicle.feed_forward) continue;
+    if (radio != nullptr) continue;
     if (type.inherited.loss_probability) {
       written["channel"]["loss"].erase("probability");
       written["channel"]["loss"].erase("runs");

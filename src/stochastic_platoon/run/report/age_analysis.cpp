@@ -36,12 +36,12 @@ std::string age_report(const PlatoonModel& model) {
 nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {
   if (!any_link(model, [](const LinkModel& link) { return link.loses(); })) return nullptr;
   nlohmann::json ages = {{"position", nlohmann::json::array()}};
-  if (has_feed_forward(model)) ages["input"] = nlohmann::json::array();
+  if (has_radios(model)) ages["input"] = nlohmann::json::array();
   for (std::size_t i = 1; i <= followers; ++i) {
     const VehicleModel& of = vehicle(model, i);
-    ages["position"].push_back(probabilities_of(of.link));
+    ages["position"].push_back(probabilities_of(of.position().link));
     if (!ages.contains("input")) continue;
-    ages["input"].push_back(of.feed_forward ? probabilities_of(of.feed_forward->link) : nlohmann::json());
+    ages["input"].push_back(of.radio() != nullptr ? probabilities_of(of.radio()->link) : nlohmann::json());
   }
   return ages;
 }

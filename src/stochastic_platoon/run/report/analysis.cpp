@@ -78,7 +78,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_radio_delay = critical_delay(model);
   if (needs("stationary variances", {"stationary_variance", "contradictions"}))
     analysis.stationary_variance = stationary_variances(model, followers);
-  if (has_feed_forward(model) && needs("shares by input", {"stationary_variance_by_input"}))
+  if (has_radios(model) && needs("shares by input", {"stationary_variance_by_input"}))
     analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
   if (needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
     analysis.moments = error_moments(model, followers, steps);
@@ -165,7 +165,7 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
 nlohmann::json to_json(const Configuration& configuration, const Analysis& analysis) {
   const VehicleModel& own = configuration.model.default_vehicle();
   nlohmann::json document = {{"headway", own.headway},
-                             {"noise_variance", own.noise_variance},
+                             {"noise_variance", own.position().noise_variance},
                              {"theory", name_of_theory(!analysis.without_theory)},
                              {"rounding", number(analysis.rounding)},
                              {"warnings", analysis.warnings},

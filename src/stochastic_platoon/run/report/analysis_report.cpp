@@ -46,14 +46,15 @@ std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
 }
 
 std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
-  const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
+  const std::optional<LossModel>& own_loss = model.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return "Critical loss probability: none, as a chain of states loses\n";
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
   const VehicleModel& own = model.default_vehicle();
-  const std::string signal = own.feed_forward ? "input" : "position";
-  return "Critical loss probability" + of_types(model, analysis.losses->types) + (own.feed_forward ? " by radio" : "") +
-         (varied_link(own).loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
+  const std::string signal = own.radio() != nullptr ? "input" : "position";
+  return "Critical loss probability" + of_types(model, analysis.losses->types) +
+         (own.radio() != nullptr ? " by radio" : "") +
+         (own.varied_link().loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
          (critical ? formatted("%.9g", *critical) : "none") +
          formatted("; string stable loss probabilities within [0, %.6g]%s:", analysis.losses->largest,
                    has_bursts(model) ? " at this mean burst" : "") +
@@ -76,9 +77,9 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   const PlatoonModel& model = configuration.model;
   const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
-  std::string text =
-      formatted("h = %g (%g s), P_d = %g m^2", own.headway, own.headway * model.sample_period, own.noise_variance);
-  if (own.feed_forward) text += formatted(", radio %g (m/s^2)^2", own.feed_forward->noise_variance);
+  std::string text = formatted("h = %g (%g s), P_d = %g m^2", own.headway, own.headway * model.sample_period,
+                               own.position().noise_variance);
+  if (own.radio() != nullptr) text += formatted(", radio %g (m/s^2)^2", own.radio()->noise_variance);
   text += ": ";
   if (analysis.without_theory) {
     text += "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" + age_report(model) +
@@ -93,7 +94,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
   text += std::isnan(stability.peak_gain)
               ? "peak of |T|: none, as the errors do not settle\n"
-              : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_feed_forward(model) ? "Gamma" : "T",
+              : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_radios(model) ? "Gamma" : "T",
                           stability.peak_gain, stability.peak_frequency);
   text += report(model, analysis.robustness);
   text += headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);

@@ -49,29 +49,29 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
   }
   if (const auto reason = no_theory(model))
     throw std::invalid_argument("mean_burst: no stability map without a theory: " + *reason);
-  const std::optional<LossModel>& own_loss = varied_link(model.default_vehicle()).loss;
+  const std::optional<LossModel>& own_loss = model.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov && !(axes.losses.empty() && axes.bursts.empty()))
     throw std::invalid_argument("markov: given: must be absent for a stability map over losses or mean bursts");
   const auto or_own = [](const std::vector<double>& values, double own) {
     return values.empty() ? std::vector<double>{own} : values;
   };
   const VehicleModel& own = model.default_vehicle();
-  const LossModel before = varied_link(own).loss.value_or(LossModel());
+  const LossModel before = own.varied_link().loss.value_or(LossModel());
   std::vector<MapPoint> points;
   for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : kNaN)) {
-    for (const double loss : or_own(axes.losses, varied_link(own).loss ? varied_link(own).loss->probability : kNaN)) {
+    for (const double loss : or_own(axes.losses, own.varied_link().loss ? own.varied_link().loss->probability : kNaN)) {
       for (const double burst : or_own(axes.bursts, before.mean_burst.value_or(kNaN)))
         for (const double headway : or_own(axes.headways, own.headway)) {
           PlatoonModel varied = model;
           if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
           if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
           if (!axes.losses.empty()) {
-            if (!varied_link(own).loss) varied_link(varied.default_vehicle()).loss = LossModel();
+            if (!own.varied_link().loss) varied.default_vehicle().varied_link().loss = LossModel();
             varied = with_loss(std::move(varied), loss);
           }
           if (!std::isnan(burst)) varied = with_mean_burst(std::move(varied), burst);
           points.push_back({headway, gain, stability_of(varied), {}, {}});
-          if (varied_link(varied.default_vehicle()).loss) points.back().loss = loss;
+          if (varied.default_vehicle().varied_link().loss) points.back().loss = loss;
           if (!axes.bursts.empty()) points.back().burst = burst;
           if (!points.back().stability.undecided) points.back().robustness = robustness(varied);
         }

@@ -24,14 +24,13 @@ struct LosingLink {
 
 std::vector<LosingLink> losing_links(const PlatoonModel& model, std::size_t followers) {
   std::vector<LosingLink> links;
-  const auto add = [&links](std::size_t i, const LinkModel& link, const char* signal, std::uint32_t receiver) {
-    if (link.loses() && !link.loss->by_distance) links.push_back({i, signal, receiver, &*link.loss});
-  };
   for (std::size_t i = 1; i <= followers; ++i) {
-    const VehicleModel& of = vehicle(model, i);
-    const auto receiver = static_cast<std::uint32_t>(i);
-    add(i, of.link, "position", receiver);
-    if (of.feed_forward) add(i, of.feed_forward->link, "input", receiver + kRadioReceiver);
+    auto stream = static_cast<std::uint32_t>(i);
+    for (const Input& input : vehicle(model, i).inputs) {
+      if (input.link.loses() && !input.link.loss->by_distance)
+        links.push_back({i, name_of(input.signal), stream, &*input.link.loss});
+      stream += kInputStream;
+    }
   }
   return links;
 }

@@ -88,7 +88,7 @@ std::string report(const Configuration& configuration, const Prediction& predict
   const StringStability& stability = prediction.stability;
   std::string text =
       formatted("\nPlatoon of %zu followers, h = %g (%g s), P_d = %g m^2: ", run.followers, vehicle.headway,
-                vehicle.headway * configuration.model.sample_period, vehicle.noise_variance);
+                vehicle.headway * configuration.model.sample_period, vehicle.position().noise_variance);
   text += heading(configuration, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   if (found) {

@@ -42,8 +42,8 @@ std::vector<Values> through(Link& link, std::size_t count, std::size_t batch) {
 
 PlatoonModel platoon_with(const LinkModel& link, double noise_variance) {
   PlatoonModel model = paper_platoon();
-  model.default_vehicle().link = link;
-  model.default_vehicle().noise_variance = noise_variance;
+  model.default_vehicle().position().link = link;
+  model.default_vehicle().position().noise_variance = noise_variance;
   return model;
 }
 
@@ -185,9 +185,9 @@ TEST(Link, LosesWithTheGivenProbabilityAndMeanBurst) {
 TEST(Radio, HasItsOwnDelayAndNoise) {
   constexpr double kVariance = 0.04;
   PlatoonModel model = paper_platoon();
-  model.default_vehicle().feed_forward = FeedForward{1.0, kVariance, {}};
-  model.default_vehicle().feed_forward->link.delay = 3;
-  Link radio = Link::radio(model, kSeed, kReceiver);
+  model.default_vehicle().inputs.push_back({InputSignal::input, kVariance});
+  model.default_vehicle().radio()->link.delay = 3;
+  Link radio(model, kSeed, kReceiver, 1);
   const std::vector<Values> received = through(radio, 2, 2);
   EXPECT_EQ(received[0][1], sent(-1, 1));
   for (std::int64_t k = 2; k < kSteps; ++k) {
@@ -195,8 +195,9 @@ TEST(Radio, HasItsOwnDelayAndNoise) {
         draw(kSeed, {kReceiver + (1u << 23), k - 2}, 1, 1).front();  // the draw of the step at which it was sent
     EXPECT_DOUBLE_EQ(received[static_cast<std::size_t>(k + 1)][1], sent(k - 2, 1) + 0.2 * noise) << k;
   }
-  model.default_vehicle().feed_forward->link.delay = 0;
-  EXPECT_THROW(Link::radio(model, kSeed, kReceiver), std::invalid_argument);
+  model.default_vehicle().radio()->link.delay = 0;
+  EXPECT_THROW(Link(model, kSeed, kReceiver, 1), std::invalid_argument);
+  EXPECT_THROW(Link(model, kSeed, kReceiver, 2), std::out_of_range);
 }
 
 }  // namespace

@@ -15,17 +15,17 @@ namespace {
 
 PlatoonModel with_bursts(double probability, double mean_burst, const std::vector<double>& predictor) {
   PlatoonModel model = eventful_platoon(3.2);
-  model.default_vehicle().link.loss = LossModel{probability, mean_burst, predictor};
+  model.default_vehicle().position().link.loss = LossModel{probability, mean_burst, predictor};
   return model;
 }
 
 TEST(ChainMoments, OfIndependentLossesEqualThoseOfTheirTheory) {
   PlatoonModel model = with_bursts(0.2, 1.25, {1.5, -0.8, 0.3});
   VehicleModel truck = paper_platoon(4.0).default_vehicle();
-  truck.link.loss = LossModel{0.3, {}, {1.0}};
-  truck.link.delay = 2;
-  truck.link.quantisation_step = 0.3;
-  truck.link.noise_filter = TransferFunction(Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1.0, -0.5));
+  truck.position().link.loss = LossModel{0.3, {}, {1.0}};
+  truck.position().link.delay = 2;
+  truck.position().link.quantisation_step = 0.3;
+  truck.position().link.noise_filter = TransferFunction(Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1.0, -0.5));
   truck.initial_position = {-1.0, 2.0};
   model.types.push_back({"truck", truck});
   model.types.push_back({"plain", paper_platoon(3.6).default_vehicle()});
@@ -42,8 +42,8 @@ TEST(ChainMoments, OfIndependentLossesOfInputsEqualThoseOfTheirTheory) {
     PlatoonModel model = radio_platoon(0.5, 0.01, 0.04, 3);
     add_trucks(model, 0.25, 0.213, 0.9);
     lose_inputs(model, 0.3, predictor);
-    model.default_vehicle().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
-    model.default_vehicle().feed_forward->link.quantisation_step = 0.3;
+    model.default_vehicle().position().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+    model.default_vehicle().radio()->link.quantisation_step = 0.3;
     model.default_vehicle().initial_position = {-1.0, 2.0};
     const ErrorMoments expected = linked_error_moments(model, 6, 60), found = chain_error_moments(model, 6, 60);
     for (std::size_t c = 0; c < expected.mean.size(); ++c) {
@@ -67,7 +67,7 @@ TEST(ChainMoments, SettleAtTheStationaryValues) {
 // One lost position of a vehicle at rest: the first step of the chain has its stationary probability.
 TEST(ChainMoments, BeginWithTheStationaryChain) {
   PlatoonModel model = paper_platoon();
-  model.default_vehicle().link.loss = LossModel{0.3, 4.0, {1.0}};
+  model.default_vehicle().position().link.loss = LossModel{0.3, 4.0, {1.0}};
   const ErrorMoments moments = chain_error_moments(model, 1, 2);
   EXPECT_EQ(moments.variance_at(1, 0), 0.0);
   PlatoonModel without = paper_platoon();

@@ -57,7 +57,7 @@ TEST(LinkedString, HasALossGainOfZeroForALossProbabilityOfZero) {
   EXPECT_EQ(string_stability(lossy_platoon({0.0, {}, {1.0}})).loss_gain, 0.0);
   EXPECT_FALSE(string_stability(paper_platoon()).loss_gain);
   PlatoonModel delayed = lossy_platoon({0.0, {}, {1.0}});
-  delayed.default_vehicle().link.delay = 1;
+  delayed.default_vehicle().position().link.delay = 1;
   EXPECT_EQ(string_stability(delayed).loss_gain, 0.0);
 }
 
@@ -69,7 +69,7 @@ TEST(LinkedString, HasNoStationaryVarianceIfPredictionsGrow) {
 
 TEST(LinkedString, HasTheMeanOfDelayAndHolding) {
   PlatoonModel model = lossy_platoon({0.25, {}, {1.0}});
-  model.default_vehicle().link.delay = 3;
+  model.default_vehicle().position().link.delay = 3;
   for (const double mean : stationary_means(model, 3)) EXPECT_DOUBLE_EQ(mean, 2.0 * (3.0 + 0.25 / 0.75));
   for (const double mean : stationary_means(lossy_platoon({0.25, {}, {2.0, -1.0}}), 3)) EXPECT_EQ(mean, 0.0);
   EXPECT_TRUE(std::isnan(stationary_means(lossy_platoon({0.4, {}, {2.0, -1.0}}), 1).front()));
@@ -94,7 +94,7 @@ TEST(LinkedString, GrowsForAFlatGainBehindADelay) {
   const ExampleLoop flat = string_stable_loops().back();
   PlatoonModel model = model_with(flat.loop, flat.headway);
   EXPECT_EQ(string_stability(model).decision(), true);
-  model.default_vehicle().link.delay = 1;
+  model.default_vehicle().position().link.delay = 1;
   const StringStability delayed = string_stability(model);
   EXPECT_EQ(delayed.decision(), false);
   EXPECT_TRUE(contains(delayed.reason, "vanishes so fast"));
@@ -109,7 +109,7 @@ PlatoonModel extrapolating_platoon(const Eigen::VectorXd& b, double loss) {
   Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(b.size(), b.size());
   shift.diagonal(1).setOnes();
   model.default_vehicle().loop = closed_loop_from(StateSpace(shift, b, Eigen::VectorXd::Unit(b.size(), 0).transpose()));
-  model.default_vehicle().link.loss = LossModel{loss, {}, {2.0, -1.0}};
+  model.default_vehicle().position().link.loss = LossModel{loss, {}, {2.0, -1.0}};
   return model;
 }
 
@@ -147,21 +147,21 @@ TEST(StableLosses, ContainTheOwnOneOfAStringStableModelAtItsBorder) {
 TEST(LinkedString, MayHaveAnyDelay) {
   PlatoonModel model = lossy_platoon({0.2, {}, {1.0}});
   for (const std::int64_t delay : {1, 7, 9, 20, 33}) {
-    model.default_vehicle().link.delay = delay;
+    model.default_vehicle().position().link.delay = delay;
     const std::vector<double> stationary = stationary_variances(model, 3);
     model.default_vehicle().initial_position = {};
     const ErrorMoments table = linked_error_moments(model, 3, 400 + 4 * delay);
     for (std::size_t i = 1; i <= 3; ++i)
       EXPECT_NEAR(table.variance_at(i, table.steps - 1) / stationary[i - 1], 1.0, 1e-10) << delay << " " << i;
   }
-  model.default_vehicle().link.delay = 1000000;
+  model.default_vehicle().position().link.delay = 1000000;
   const std::vector<double> late = stationary_variances(model, 2);
   EXPECT_TRUE(std::isfinite(late[1]));
 }
 
 TEST(LinkedTheory, RejectsModelsWithoutTheory) {
   PlatoonModel bursts = lossy_platoon({0.1, {}, {1.0}});
-  bursts.default_vehicle().link.loss->mean_burst = 3.0;
+  bursts.default_vehicle().position().link.loss->mean_burst = 3.0;
   EXPECT_THROW(linked_error_moments(bursts, 2, 5), std::invalid_argument);
   EXPECT_THROW(stationary_variances(lossy_platoon({0.1, {}, {1.0}}), 0), std::invalid_argument);
   EXPECT_THROW(linked_error_moments(lossy_platoon({0.1, {}, {1.0}}), 0, 5), std::invalid_argument);
@@ -195,7 +195,7 @@ std::vector<std::vector<double>> errors_of(const PlatoonModel& model, unsigned p
 TEST(LinkedErrorMoments, HaveTheFourthCumulantsOfRareLosses) {
   constexpr std::size_t kSteps = 7;
   PlatoonModel model = lossy_platoon({1e-6, {}, {1.0}});
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   for (std::size_t k = 0; k <= kSteps; ++k) model.recorded_leader.push_back(static_cast<double>(k));
   std::vector<double> cumulants;
   const ErrorMoments moments = linked_error_moments(model, 2, kSteps, &cumulants);

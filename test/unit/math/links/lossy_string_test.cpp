@@ -113,11 +113,11 @@ TEST(LossyString, HasTheVariancesOfTheDenseState) {
 /// The independent losses of all links as those of a chain with one state.
 PlatoonModel by_chains(PlatoonModel model) {
   for (VehicleType& type : model.types) {
-    for (LinkModel* link :
-         {&type.vehicle.link, type.vehicle.feed_forward ? &type.vehicle.feed_forward->link : nullptr}) {
-      if (link != nullptr && link->loses())
-        link->loss = by_states(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, link->loss->probability),
-                               link->loss->predictor);
+    for (Input& input : type.vehicle.inputs) {
+      LinkModel& link = input.link;
+      if (link.loses())
+        link.loss = by_states(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, link.loss->probability),
+                              link.loss->predictor);
     }
   }
   return model;
@@ -149,11 +149,11 @@ TEST(LossyString, OfIndependentLossesIsThatOfChains) {
     expect_same_theory(lossy_platoon({0.1, {}, {2.0, -1.0}}, headway));
     expect_same_theory(lossy_platoon({0.6, {}, {1.0}}, headway));
     PlatoonModel model = lossy_platoon({0.2, {}, {1.5, -0.8, 0.3}}, headway);
-    model.default_vehicle().link.delay = 3;
-    model.default_vehicle().link.quantisation_step = 0.5;
+    model.default_vehicle().position().link.delay = 3;
+    model.default_vehicle().position().link.quantisation_step = 0.5;
     VehicleModel truck = model.default_vehicle();
-    truck.link.loss = LossModel{0.3, {}, {1.0}};
-    truck.link.noise_filter = TransferFunction(Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1.0, -0.5));
+    truck.position().link.loss = LossModel{0.3, {}, {1.0}};
+    truck.position().link.noise_filter = TransferFunction(Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1.0, -0.5));
     model.types.push_back({"truck", truck});
     model.types.push_back({"deaf", paper_platoon(4.0).default_vehicle()});
     model.string = {0, 1, 2};
@@ -166,7 +166,7 @@ TEST(LossyString, OfIndependentLossesOfInputsIsThatOfChains) {
     PlatoonModel model = radio_platoon(0.5, 0.01, 0.04);
     lose_inputs(model, 0.3, predictor);
     expect_same_theory(model);
-    model.default_vehicle().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+    model.default_vehicle().position().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
     add_trucks(model, 0.25, 0.213, 0.9);
     expect_same_theory(model);
   }
@@ -176,7 +176,7 @@ TEST(LossyString, OfIndependentLossesOfInputsIsThatOfChains) {
 PlatoonModel lossy_radios(const LossModel& loss) {
   PlatoonModel model = radio_platoon_of({{car_with_actuator_lag(0.3, 0.0), 0.1}, {ControllerGains{0.5, 1.2, 0.0}, 0.1}},
                                         6.0, 0.01, 0.04, 1, 0.1);
-  model.default_vehicle().feed_forward->link.loss = loss;
+  model.default_vehicle().radio()->link.loss = loss;
   return model;
 }
 
@@ -273,7 +273,7 @@ TEST(LossyString, OfAnyChainIsWhatItsTablesSettleAt) {
     const ErrorMoments moments = chain_error_moments(model, 3, 700);
     for (std::size_t i = 1; i <= 3; ++i) EXPECT_NEAR(moments.variance_at(i, 699) / stationary[i - 1], 1.0, 1e-11) << i;
     PlatoonModel radios = lossy_radios(loss);
-    radios.default_vehicle().link.loss = LossModel{0.1, 2.0, {1.0}};
+    radios.default_vehicle().position().link.loss = LossModel{0.1, 2.0, {1.0}};
     const std::vector<double> of_radios = stationary_variances(radios, 2);
     const ErrorMoments table = chain_error_moments(radios, 2, 500);
     for (std::size_t i = 1; i <= 2; ++i) EXPECT_NEAR(table.variance_at(i, 499) / of_radios[i - 1], 1.0, 1e-11) << i;
@@ -289,7 +289,7 @@ TEST(LossyString, HasNoStationaryVarianceIfPredictionsGrow) {
 
 TEST(LossyString, RejectsModelsWithoutTheory) {
   PlatoonModel radio = lossy_platoon({0.1, 2.0, {1.0}});  // by its closed loop alone
-  radio.default_vehicle().feed_forward = FeedForward();
+  radio.default_vehicle().inputs.push_back({InputSignal::input});
   EXPECT_THROW(string_stability(radio), std::invalid_argument);
   EXPECT_THROW(stationary_variances(lossy_platoon({0.1, 2.0, {1.0}}), 0), std::invalid_argument);
   EXPECT_THROW(string_stability(lossy_platoon({0.5, 1.0, {1.0}})), std::invalid_argument);

@@ -23,7 +23,7 @@ VehicleModel car(double lag, double input_delay, const ControllerGains& gains, b
   VehicleModel vehicle{close_loop(design, 30.0), 30.0};
   vehicle.design = design;
   vehicle.standstill_distance = 3.0;
-  vehicle.noise_variance = 0.01;
+  vehicle.position().noise_variance = 0.01;
   return vehicle;
 }
 
@@ -105,10 +105,10 @@ TEST(SteadyStart, IsSteadyForEveryVehicle) {
   limited.default_vehicle().limits = {Interval{-1.0, 1.0}, Interval{0.0, 30.0}};
   for (PlatoonModel* model : {&paper, &given, &radio, &limited}) {
     model->start = Start::steady;
-    model->default_vehicle().noise_variance = 0.0;
+    model->default_vehicle().position().noise_variance = 0.0;
     model->default_vehicle().initial_position = {};
-    model->default_vehicle().link.delay = 3;
-    model->default_vehicle().link.loss = LossModel{1e-12, {}, {2.0, -1.0}};
+    model->default_vehicle().position().link.delay = 3;
+    model->default_vehicle().position().link.loss = LossModel{1e-12, {}, {2.0, -1.0}};
     const std::vector<Trajectory> all = trajectories(*model, 200);
     EXPECT_NEAR(all.front().position[1], 0.0, 1e-12);
     for (std::size_t i = 1; i < all.size(); ++i) {

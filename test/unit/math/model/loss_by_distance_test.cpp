@@ -35,12 +35,12 @@ TEST(LossByDistance, RejectsAnInvalidTable) {
 // With a car of 3 m, a position is lost at a gap of 7 m except with probability 1e-12, and never at a gap of 6 m.
 TEST(Link, LosesByTheGapOfThePreviousStep) {
   PlatoonModel model = paper_platoon();
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   model.default_vehicle().length = 3.0;
   LossModel loss;
   loss.by_distance.emplace(std::vector<LossByDistance::Point>{{6.0, 0.0}, {7.0, 1.0 - 1e-12}});
   loss.probability = loss.by_distance->largest();
-  model.default_vehicle().link.loss = loss;
+  model.default_vehicle().position().link.loss = loss;
   Link link(model, 1, 1);
   ASSERT_TRUE(link.depends_on_gap());
   EXPECT_EQ(transmitted(link, -1, 0, {50.0, 60.0}), (std::vector<double>{50.0, 60.0}));

@@ -25,15 +25,15 @@ std::vector<double> error_spectra(const PlatoonModel& model, std::size_t followe
   const std::complex<double> z = std::polar(1.0, frequency), t = model.default_vehicle().loop.transfer(z),
                              ht = headway_policy(model.default_vehicle().headway)(z) * t;
   const double gain = std::norm(t), input = gain * std::norm(1.0 - ht) + (1.0 - gain) * std::norm(ht);
-  spectra[0] = std::norm(ht) * model.default_vehicle().noise_variance;
+  spectra[0] = std::norm(ht) * model.default_vehicle().position().noise_variance;
   for (std::size_t i = 1; i < followers; ++i)
-    spectra[i] = gain * spectra[i - 1] + input * model.default_vehicle().noise_variance;
+    spectra[i] = gain * spectra[i - 1] + input * model.default_vehicle().position().noise_variance;
   return spectra;
 }
 
 double noise_to_error_norm(const PlatoonModel& model, std::size_t followers) {
   PlatoonModel unit = model;
-  unit.default_vehicle().noise_variance = 1.0;
+  unit.default_vehicle().position().noise_variance = 1.0;
   return std::sqrt(stationary_variances(unit, followers).back());
 }
 

@@ -23,8 +23,9 @@ PlatoonModel at_rest(double distance) {
 
 PlatoonModel coloured_and_placed() {
   PlatoonModel model = at_rest(2.0);
-  model.default_vehicle().link.noise_filter = TransferFunction(Eigen::Vector2d(1.0, 0.5), Eigen::Vector2d(1.0, -0.6));
-  model.default_vehicle().link.delay = 2;
+  model.default_vehicle().position().link.noise_filter =
+      TransferFunction(Eigen::Vector2d(1.0, 0.5), Eigen::Vector2d(1.0, -0.6));
+  model.default_vehicle().position().link.delay = 2;
   model.default_vehicle().initial_position = {0.1, 0.4};
   return model;
 }
@@ -118,7 +119,7 @@ TEST(ConditionedGaps, IntervalsOfTwoHundredSeedsCoverTheKnownProbability) {
 TEST(ConditionedGaps, RejectsAnEventThatIsNotRareOrCannotHappen) {
   EXPECT_THROW(ConditionedGaps(at_rest(2.0), {1, 2, kSteps, 2.0}), std::invalid_argument);
   PlatoonModel silent = at_rest(2.0);
-  silent.default_vehicle().noise_variance = 0.0;
+  silent.default_vehicle().position().noise_variance = 0.0;
   EXPECT_THROW(ConditionedGaps(silent, {1, 2, kSteps}), std::invalid_argument);
   EXPECT_THROW(ConditionedGaps(at_rest(2.0), {1, 100, 10000}), std::invalid_argument);
 }

@@ -56,7 +56,7 @@ TEST(MonteCarlo, AgreesWithTheory) {
 TEST(MonteCarlo, DisagreesWithATheoryThatIsAFewPercentOff) {
   PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
-  model.default_vehicle().noise_variance *= 1.08;
+  model.default_vehicle().position().noise_variance *= 1.08;
   const ErrorMoments theory = error_moments(model, 5, 40);
   EXPECT_GT(agreement_of(table.moments.totals(), theory.mean, theory.variance).max_abs_z_variance,
             largest_plausible_score(2 * theory.mean.size()));

@@ -59,7 +59,7 @@ TEST(PlatoonString, FollowsTheEquations) {
 
 TEST(PlatoonString, StaysInFormationWithoutDisturbance) {
   PlatoonModel model = paper_platoon();
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   model.default_vehicle().standstill_distance = 7.0;
   model.leader = LeaderProfile({}, 0.1);
   PlatoonString string(model, 1, 6);

@@ -109,7 +109,7 @@ TEST(GapCounting, HasARoundBinWidthBelowAFifthOfTheNoise) {
   PlatoonModel model = paper_platoon();
   for (const auto& [variance, width] : std::vector<std::pair<double, double>>{
            {0.6, 0.1}, {0.01, 0.02}, {1e-8, 2e-5}, {100.0, 2.0}, {30000.0, 20.0}, {0.0, 0.01}}) {
-    model.default_vehicle().noise_variance = variance;
+    model.default_vehicle().position().noise_variance = variance;
     EXPECT_DOUBLE_EQ(gap_counting(model, 5).bin_width, width) << variance;
   }
 }

@@ -25,7 +25,7 @@ const std::vector<std::string> kNames{"gap", "speed", "acceleration", kInput};
 PlatoonModel steady_platoon(double radar, double radio) {
   PlatoonModel model = radio_platoon(1.2, radar, radio);
   add_trucks(model, 0.3, 0.1);
-  model.default_vehicle().link.delay = 2;
+  model.default_vehicle().position().link.delay = 2;
   model.start = Start::steady;
   model.leader = LeaderProfile({{0, 20.0}, {100, 18.0}, {220, 21.0}}, model.sample_period);
   return model;
@@ -36,8 +36,8 @@ void expect_means(PlatoonModel model) {
   const std::vector<SignalMoments> theory = signal_moments(model, kNames, kFollowers, kSteps);
   const ErrorMoments errors = error_moments(model, kFollowers, kSteps);
   for (VehicleType& type : model.types) {
-    type.vehicle.noise_variance = 0.0;
-    if (type.vehicle.feed_forward) type.vehicle.feed_forward->noise_variance = 0.0;
+    type.vehicle.position().noise_variance = 0.0;
+    if (type.vehicle.radio()) type.vehicle.radio()->noise_variance = 0.0;
   }
   std::size_t follower = 0;
   for_each_trajectory(model, 1, kFollowers, kSteps, 0, kNames, [&](const Trajectory& of) {

@@ -109,7 +109,7 @@ TEST(CollisionRisk, HasNoLimitForAStringUnstablePlatoon) {
 
 TEST(CollisionRisk, WithoutNoiseIsZero) {
   PlatoonModel model = at_rest(2.0);
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   const CollisionRisk risk = risk_of(model, 2);
   EXPECT_EQ(risk.probability[1], 0.0);
   EXPECT_EQ(risk.rate[1], 0.0);

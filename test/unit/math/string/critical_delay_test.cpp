@@ -56,7 +56,7 @@ TEST(CriticalDelay, DoesNotExistWithoutARadioOrWithLosses) {
   lose_inputs(model, 0.1, {1.0});
   EXPECT_FALSE(critical_delay(model).has_value());
   model = ploeg();
-  model.default_vehicle().feed_forward.reset();
+  model.default_vehicle().inputs.resize(1);
   EXPECT_FALSE(critical_delay(model).has_value());
   EXPECT_FALSE(critical_delay(radio_platoon(0.1, 0.01, 0.01)).has_value()) << "not string stable at one step";
   EXPECT_FALSE(critical_delay(radio_platoon(20.0, 0.01, 0.01)).has_value()) << "string stable at every delay";

@@ -151,8 +151,8 @@ TEST(CriticalHeadway, OfBurstsIsNotThatOfTheGain) {
                                            Eigen::Vector3d(1.0, 1.041748046875, 0.2533121109008789))};
   VehicleModel vehicle{close_loop(design, 40.0), 40.0};
   vehicle.design = design;
-  vehicle.noise_variance = 2.4;
-  vehicle.link.loss = LossModel{0.491785172125041, 2.8857295051526712, {1.0}};
+  vehicle.position().noise_variance = 2.4;
+  vehicle.position().link.loss = LossModel{0.491785172125041, 2.8857295051526712, {1.0}};
   const std::optional<StableHeadways> headways = stable_headways({vehicle, LeaderProfile({{0, 6.75}}, 0.125), 0.125});
   ASSERT_TRUE(headways && !headways->intervals.empty());
   const double border = headways->intervals.front().from;
@@ -193,8 +193,8 @@ TEST(CriticalHeadway, IsExactBehindLongBurstsThatAreExtrapolated) {
     const TransferFunction controller(Eigen::Vector2d(0.10182026425553087, -0.0018321166112019148) / (1.0 + headway),
                                       Eigen::Vector2d(1.0, -0.239013671875));
     PlatoonModel model = model_with(close_loop({plant, controller}, headway), headway);
-    model.default_vehicle().link.delay = 2;
-    model.default_vehicle().link.loss = LossModel{2.5036930568425227e-11, 27941.186482832378, {2.0, -1.0}};
+    model.default_vehicle().position().link.delay = 2;
+    model.default_vehicle().position().link.loss = LossModel{2.5036930568425227e-11, 27941.186482832378, {2.0, -1.0}};
     return LinkedPattern(model).gain_margin();
   };
   EXPECT_GT(margin_at(18.9805597009), 0.0);

@@ -21,7 +21,7 @@ std::vector<std::vector<double>> dense_autocovariances(const PlatoonModel& model
   const StringMatrices string =
       string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, followers);
   const Eigen::MatrixXd p =
-      solve_discrete_lyapunov(string.a, noise_covariance(string, model.default_vehicle().noise_variance));
+      solve_discrete_lyapunov(string.a, noise_covariance(string, model.default_vehicle().position().noise_variance));
   Eigen::MatrixXd at_lag = p;
   std::vector<std::vector<double>> covariances(followers);
   for (int lag = 0; lag < count; ++lag) {
@@ -30,7 +30,7 @@ std::vector<std::vector<double>> dense_autocovariances(const PlatoonModel& model
       covariances[i].push_back((string.c.row(row) * at_lag).dot(string.c.row(row)));
     }
     at_lag = (string.a * at_lag).eval();
-    if (lag == 0) at_lag += model.default_vehicle().noise_variance * string.b_b * string.b_a.transpose();
+    if (lag == 0) at_lag += model.default_vehicle().position().noise_variance * string.b_b * string.b_a.transpose();
   }
   return covariances;
 }
@@ -166,7 +166,7 @@ TEST(EffectiveSample, GivesTheStandardErrorsOfAveragesOverTime) {
 
 TEST(EffectiveSample, IsUnknownIfPacketsAreLost) {
   PlatoonModel model = paper_platoon(3.2);
-  model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
+  model.default_vehicle().position().link.loss = LossModel{0.1, {}, {1.0}};
   for (const ErrorCorrelation& correlation : error_correlations(model, 3)) {
     EXPECT_EQ(correlation.length(), 0u);
     EXPECT_TRUE(std::isnan(correlation.of(1000).mean));
@@ -176,7 +176,7 @@ TEST(EffectiveSample, IsUnknownIfPacketsAreLost) {
 
 TEST(EffectiveSample, CountsEveryStepWithoutNoise) {
   PlatoonModel model = paper_platoon(3.2);
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   for (const std::uint64_t steps : {2u, 1000u}) {
     const IndependentShare sample = error_correlations(model, 2)[1].of(steps);
     EXPECT_NEAR(sample.variance, 1.0, 1e-12);

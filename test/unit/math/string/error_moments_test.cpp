@@ -86,7 +86,8 @@ TEST(ErrorMoments, HaveTheVarianceOfTheSquaredUnitResponses) {
         std::vector<double> noise = silence;
         noise[j * kSteps + l] = 1.0;
         const std::vector<double> rest(kFollowers, 0.0);
-        add_squares(run_string(model, kFollowers, kSteps, rest, noise, false), model.default_vehicle().noise_variance);
+        add_squares(run_string(model, kFollowers, kSteps, rest, noise, false),
+                    model.default_vehicle().position().noise_variance);
       }
     }
     const ErrorMoments moments = error_moments(model, kFollowers, kSteps);

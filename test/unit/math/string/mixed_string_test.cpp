@@ -15,7 +15,7 @@ PlatoonModel cars_and_a_truck(std::size_t vehicles) {
   VehicleModel truck = vehicle(model, 1);
   truck.headway = 4.0;
   truck.loop = close_loop(*truck.design, 4.0);
-  truck.link.delay = 1;
+  truck.position().link.delay = 1;
   model.types.push_back({"truck", truck, {false, true, true, true}});
   model.string.assign(vehicles, 0);
   model.string.back() = 1;
@@ -38,8 +38,8 @@ TEST(MixedString, OfALongPatternIsJudgedByItsVehicles) {
 // A pattern and its repetitions have the same limit.
 TEST(MixedString, HasTheSameLimitForARepeatedPattern) {
   PlatoonModel once = cars_and_a_truck(3);
-  once.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
-  once.types[1].vehicle.link.loss = LossModel{0.2, {}, {2.0, -1.0}};
+  once.default_vehicle().position().link.loss = LossModel{0.1, {}, {1.0}};
+  once.types[1].vehicle.position().link.loss = LossModel{0.2, {}, {2.0, -1.0}};
   PlatoonModel twice = once;
   twice.string = {0, 0, 1, 0, 0, 1};
   PlatoonModel often = once;
@@ -59,7 +59,7 @@ TEST(MixedString, FollowsTheHeadwayInTypesThatInheritIt) {
   PlatoonModel model = cars_and_a_truck(3);
   model.types[1].inherited.headway = true;
   model.types[1].vehicle = model.default_vehicle();
-  model.types[1].vehicle.link.delay = 1;
+  model.types[1].vehicle.position().link.delay = 1;
   const std::optional<StableHeadways> found = stable_headways(model);
   ASSERT_TRUE(found && found->critical);
   EXPECT_EQ(found->types, (std::vector<std::string>{"default", "truck"}));
@@ -74,8 +74,8 @@ TEST(MixedString, FollowsTheHeadwayInTypesThatInheritIt) {
 
 TEST(MixedString, FollowsTheLossProbabilityInTypesThatInheritIt) {
   PlatoonModel model = cars_and_a_truck(2);
-  model.default_vehicle().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
-  model.types[1].vehicle.link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  model.default_vehicle().position().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
+  model.types[1].vehicle.position().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
   const std::optional<StableLosses> followed = stable_losses(model);
   EXPECT_EQ(followed->types, (std::vector<std::string>{"default", "truck"}));
   model.types[1].inherited.loss_probability = false;

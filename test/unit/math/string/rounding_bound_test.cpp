@@ -46,7 +46,7 @@ double share_of_bound(const PlatoonModel& model, std::size_t followers, std::siz
 }
 
 PlatoonModel without_noise(PlatoonModel model) {
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   model.default_vehicle().initial_position.variance = 0.0;
   return model;
 }

@@ -36,17 +36,17 @@ TEST(SettlingTime, GrowsWithDelaysAndSlowPoles) {
   PlatoonModel model = paper_platoon(3.2);
   const std::int64_t before = *settling_steps(model, 20);
   EXPECT_LT(before, 300);
-  model.default_vehicle().link.delay = 10;
+  model.default_vehicle().position().link.delay = 10;
   EXPECT_EQ(*settling_steps(model, 20), before + 200);
-  model.default_vehicle().link.loss = LossModel();
-  model.default_vehicle().link.loss->probability = 0.9;
+  model.default_vehicle().position().link.loss = LossModel();
+  model.default_vehicle().position().link.loss->probability = 0.9;
   EXPECT_GT(*settling_steps(model, 20), before + 300) << "a lost position is kept for ten steps on average";
 }
 
 // The second moments of these predictions decay more slowly than their means.
 TEST(SettlingTime, LastsUntilTheSecondMomentsOfPredictionsHaveDecayed) {
   PlatoonModel model = paper_platoon(8.0);
-  model.default_vehicle().link.loss = LossModel{0.3, std::nullopt, {0.0, 1.6, -0.6}};
+  model.default_vehicle().position().link.loss = LossModel{0.3, std::nullopt, {0.0, 1.6, -0.6}};
   expect_settled(model, 3, "predictions");
 }
 
@@ -54,7 +54,7 @@ TEST(SettlingTime, LastsUntilTheSecondMomentsOfPredictionsHaveDecayed) {
 TEST(SettlingTime, LastsUntilASlowLeaderHasSettled) {
   PlatoonModel model = paper_platoon(40.0);
   VehicleModel quick = paper_platoon(8.0).default_vehicle();
-  quick.link.loss = LossModel{0.2, std::nullopt, {0.5, 0.5}};
+  quick.position().link.loss = LossModel{0.2, std::nullopt, {0.5, 0.5}};
   model.types.push_back({"quick", quick, {}});
   model.string = {1};
   expect_settled(model, 2, "slow leader");

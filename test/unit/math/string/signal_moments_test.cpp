@@ -18,7 +18,8 @@ constexpr double kPeriod = 0.5;
 /// Every vehicle repeats the position received one step ago: T = 1 / z.
 PlatoonModel relay(double noise_variance, const InitialPosition& initial = {}) {
   const TransferFunction delay(Eigen::VectorXd::Ones(1), Eigen::Vector2d(1.0, 0.0));
-  VehicleModel vehicle{closed_loop_from(observable_canonical(delay)), 1.0, 2.0, noise_variance, initial};
+  VehicleModel vehicle{
+      closed_loop_from(observable_canonical(delay)), 1.0, 2.0, {{InputSignal::position, noise_variance}}, initial};
   return {vehicle, LeaderProfile({{0, 0.0}}, kPeriod), kPeriod};
 }
 
@@ -98,10 +99,10 @@ TEST(SignalMoments, RejectModelsWithoutTheory) {
   EXPECT_THROW(signal_moments(model, {"distance"}, 1, 1), std::invalid_argument);
   EXPECT_THROW(signal_moments(model, kAll, 0, 1), std::invalid_argument);
   EXPECT_THROW(signal_moments(model, kAll, 1, 0), std::invalid_argument);
-  model.default_vehicle().link.quantisation_step = 0.1;
+  model.default_vehicle().position().link.quantisation_step = 0.1;
   EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument);
   model = paper_platoon();
-  model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
+  model.default_vehicle().position().link.loss = LossModel{0.1, {}, {1.0}};
   EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument);
 }
 

@@ -20,18 +20,18 @@ const std::vector<std::string> kAll = {"gap", "speed", "acceleration", "jerk"};
 std::vector<PlatoonModel> settling_platoons() {
   std::vector<PlatoonModel> models{paper_platoon(3.2), paper_platoon(2.4)};
   PlatoonModel mixed = paper_platoon(3.2);
-  mixed.default_vehicle().link.delay = 3;
+  mixed.default_vehicle().position().link.delay = 3;
   VehicleType truck{"truck", mixed.default_vehicle(), {}};
   truck.vehicle.headway = 4.0;
   truck.vehicle.loop = paper_loop(4.0);
   truck.vehicle.length = 12.0;
   truck.vehicle.standstill_distance = 3.0;
-  truck.vehicle.link = LinkModel{};
-  truck.vehicle.link.noise_filter = TransferFunction(Eigen::Vector2d(1.0, 0.3), Eigen::Vector2d(1.0, -0.5));
+  truck.vehicle.position().link = LinkModel{};
+  truck.vehicle.position().link.noise_filter = TransferFunction(Eigen::Vector2d(1.0, 0.3), Eigen::Vector2d(1.0, -0.5));
   mixed.types.push_back(truck);
   mixed.string = {0, 1, 1};
   models.push_back(mixed);
-  mixed.default_vehicle().link.delay = 400;
+  mixed.default_vehicle().position().link.delay = 400;
   models.push_back(mixed);
   models.push_back(radio_platoon(0.7, 0.01, 0.02));
   return models;
@@ -61,7 +61,7 @@ TEST(StationarySignals, HaveAGapThatSettlesLate) {
   constexpr std::size_t kNear = 999, kFar = 3999;
   for (const PlatoonModel& model : settling_platoons()) {
     if (!string_stability(model).string_stable) continue;
-    if (model.default_vehicle().link.delay > 100) continue;  // |1 - T|^2 oscillates before this decay begins
+    if (model.default_vehicle().position().link.delay > 100) continue;  // |1 - T|^2 oscillates before this decay begins
     const std::size_t places = pattern(model).size();
     const StationarySignal gap = stationary_signals(model, {"gap"}, kFar, true)[0];
     ASSERT_TRUE(gap.limit);
@@ -81,7 +81,7 @@ TEST(StationarySignals, HaveAGapThatSettlesLate) {
 // z^m completes many periods on a panel. Reference: 80,000 nodes in extended precision.
 TEST(StationarySignals, HaveALimitBehindALongDelay) {
   PlatoonModel model = paper_platoon(3.2);
-  model.default_vehicle().link.delay = 400;
+  model.default_vehicle().position().link.delay = 400;
   const StationarySignal gap = stationary_signals(model, {"gap"}, 1, true)[0];
   EXPECT_NEAR(*gap.limit_variance() / 143.958325039119069, 1.0, 1e-11);
   EXPECT_NEAR(gap.limit->change[0] / 0.370994008700070659, 1.0, 1e-11);
@@ -103,7 +103,7 @@ TEST(StationarySignals, HaveLimitsIfTheyVanishAtLowFrequencies) {
   EXPECT_TRUE(found[3].limit_variance());
   // The same behind noise that vanishes like w^2.
   PlatoonModel differenced = model;
-  differenced.default_vehicle().link.noise_filter =
+  differenced.default_vehicle().position().link.noise_filter =
       TransferFunction(Eigen::Vector2d(1.0, -1.0), Eigen::Vector2d(1.0, 0.0));
   EXPECT_TRUE(stationary_signals(differenced, {"gap"}, 2, true)[0].limit_variance());
 }
@@ -129,7 +129,7 @@ TEST(StationarySignals, HaveTheMeansOfTheSpacingPolicy) {
   PlatoonModel model = paper_platoon(3.2);
   model.default_vehicle().standstill_distance = 5.0;
   model.default_vehicle().length = 4.5;
-  model.default_vehicle().link.delay = 2;
+  model.default_vehicle().position().link.delay = 2;
   const std::vector<StationarySignal> found = stationary_signals(model, kAll, 2, true);
   // delta + (h + m) v T_s - length
   EXPECT_NEAR(found[0].followers.mean[1], 5.0 + (3.2 + 2.0) * 20.0 * 0.1 - 4.5, 1e-12);
@@ -142,7 +142,7 @@ TEST(StationarySignals, RejectModelsWithoutTheory) {
   PlatoonModel model = paper_platoon();
   EXPECT_THROW(stationary_signals(model, kAll, 0, true), std::invalid_argument);
   EXPECT_THROW(stationary_signals(model, {"distance"}, 1, true), std::invalid_argument);
-  model.default_vehicle().link.quantisation_step = 0.1;
+  model.default_vehicle().position().link.quantisation_step = 0.1;
   EXPECT_THROW(stationary_signals(model, kAll, 1, true), std::invalid_argument);
 }
 

@@ -34,7 +34,8 @@ TEST(StationaryVariance, AgreesWithTheLyapunovEquationOfTheWholeString) {
     const std::vector<double> variances = stationary_variances(model, 4);
     const StringMatrices string =
         string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, 4);
-    const Eigen::MatrixXd dense = stationary_covariance_by_lyapunov(string, model.default_vehicle().noise_variance);
+    const Eigen::MatrixXd dense =
+        stationary_covariance_by_lyapunov(string, model.default_vehicle().position().noise_variance);
     for (std::size_t i = 0; i < 4; ++i) {
       const double expected = dense(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
       EXPECT_NEAR(variances[i], expected, 1e-10 * expected) << example.name;
@@ -49,7 +50,8 @@ TEST(StationaryVariance, AgreesWithTheVecFormulaOfLemmaOne) {
     const std::vector<double> variances = stationary_variances(model, followers);
     const StringMatrices string =
         string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, followers);
-    const Eigen::MatrixXd dense = stationary_covariance_by_vec(string, model.default_vehicle().noise_variance);
+    const Eigen::MatrixXd dense =
+        stationary_covariance_by_vec(string, model.default_vehicle().position().noise_variance);
     for (std::size_t i = 0; i < followers; ++i) {
       const double expected = dense(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
       EXPECT_NEAR(variances[i], expected, 1e-10 * expected) << example.name;
@@ -114,7 +116,7 @@ TEST(StationaryVariance, IsNotANumberForAnUnstableVehicle) {
 
 TEST(StationaryVariance, IsZeroWithoutNoise) {
   PlatoonModel model = model_with(paper_loop(2.4), 2.4);
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   EXPECT_EQ(stationary_variances(model, 5000), std::vector<double>(5000, 0.0));
 }
 

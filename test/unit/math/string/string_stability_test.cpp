@@ -133,7 +133,7 @@ TEST(StringStability, HasTheLimitOfTheSpectralFactor) {
       s.conservativeResize(s.size() - 1);
     }
     const double norm = h2_norm({s, multiply(rest, Eigen::Vector2d(1.0, 0.0))});
-    const double limit = (norm * norm - 1.0) * model.default_vehicle().noise_variance;
+    const double limit = (norm * norm - 1.0) * model.default_vehicle().position().noise_variance;
     // S and M by coefficients lose digits where the poles are slow; the limit itself does not.
     const double slowness = 1.0 - verdict.spectral_radius;
     const double tolerance = 1e-11 + 1e-15 / (slowness * slowness);
@@ -169,9 +169,9 @@ TEST(StringStability, HasNoLimitForAGainFlatterThanTheSensitivity) {
 TEST(StringStability, HasALimitProportionalToTheNoise) {
   PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const double limit = *string_stability(model).limit_variance;
-  model.default_vehicle().noise_variance = 0.0;
+  model.default_vehicle().position().noise_variance = 0.0;
   EXPECT_EQ(*string_stability(model).limit_variance, 0.0);
-  model.default_vehicle().noise_variance = 1.2;
+  model.default_vehicle().position().noise_variance = 1.2;
   EXPECT_NEAR(*string_stability(model).limit_variance, 2.0 * limit, 1e-15 * limit);
 }
 

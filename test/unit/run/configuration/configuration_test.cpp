@@ -13,7 +13,7 @@ namespace {
 TEST_F(ConfigurationTest, IsTheModelFileWithDefaultSettings) {
   for (const Settings& settings : {Settings{}, Settings{{"headway", ""}, {"noise_variance", ""}}}) {
     EXPECT_EQ(vehicle_with(settings).headway, 3.2);
-    EXPECT_EQ(vehicle_with(settings).noise_variance, 0.6);
+    EXPECT_EQ(vehicle_with(settings).position().noise_variance, 0.6);
     EXPECT_EQ(configured(settings).run.followers, 20u);
   }
 }
@@ -24,7 +24,7 @@ TEST_F(ConfigurationTest, IsOverriddenByTheGivenSettings) {
   EXPECT_EQ(configuration.model.default_vehicle().headway, 2.4);
   EXPECT_EQ(configuration.model.default_vehicle().loop.realization.a(),
             paper_platoon(2.4).default_vehicle().loop.realization.a());
-  EXPECT_EQ(configuration.model.default_vehicle().noise_variance, 0.1);
+  EXPECT_EQ(configuration.model.default_vehicle().position().noise_variance, 0.1);
   EXPECT_EQ(configuration.run.followers, 3u);
   EXPECT_EQ(configuration.run.steps, 7);
 }
@@ -164,7 +164,7 @@ TEST_F(ConfigurationTest, KeepsTheSettingsThatAChangeDoesNotGive) {
   EXPECT_EQ(changed.model.default_vehicle().headway, 2.4);
   EXPECT_EQ(changed.model.default_vehicle().loop.realization.a(),
             paper_platoon(2.4).default_vehicle().loop.realization.a());
-  EXPECT_EQ(changed.model.default_vehicle().noise_variance, 0.1);
+  EXPECT_EQ(changed.model.default_vehicle().position().noise_variance, 0.1);
   EXPECT_EQ(changed.run.followers, 4u);
   EXPECT_EQ(changed.run.seed, 5u);
   EXPECT_EQ(problems_of([&base] { configuration_document(base, {{"color", "red"}}); }).size(), 1u);
@@ -172,15 +172,15 @@ TEST_F(ConfigurationTest, KeepsTheSettingsThatAChangeDoesNotGive) {
 
 TEST_F(ConfigurationTest, IsOverriddenByLossAndDelay) {
   const Configuration changed = configured({{"loss", "0.25"}, {"delay", "2"}});
-  EXPECT_EQ(changed.model.default_vehicle().link.delay, 2);
-  ASSERT_TRUE(changed.model.default_vehicle().link.loss);
-  EXPECT_EQ(changed.model.default_vehicle().link.loss->probability, 0.25);
-  EXPECT_EQ(changed.model.default_vehicle().link.loss->predictor, std::vector<double>{1.0});
+  EXPECT_EQ(changed.model.default_vehicle().position().link.delay, 2);
+  ASSERT_TRUE(changed.model.default_vehicle().position().link.loss);
+  EXPECT_EQ(changed.model.default_vehicle().position().link.loss->probability, 0.25);
+  EXPECT_EQ(changed.model.default_vehicle().position().link.loss->predictor, std::vector<double>{1.0});
   const Configuration again = parse_configuration(configuration_document(changed, {{"loss", "0.5"}}));
-  EXPECT_EQ(again.model.default_vehicle().link.loss->probability, 0.5);
-  EXPECT_EQ(again.model.default_vehicle().link.delay, 2);
+  EXPECT_EQ(again.model.default_vehicle().position().link.loss->probability, 0.5);
+  EXPECT_EQ(again.model.default_vehicle().position().link.delay, 2);
   EXPECT_NE(run_identity(changed), run_identity(again));
-  EXPECT_FALSE(vehicle_with({}).link.loss);
+  EXPECT_FALSE(vehicle_with({}).position().link.loss);
 }
 
 // The contributions of all links to all vehicles behind them cost followers^2 x steps.

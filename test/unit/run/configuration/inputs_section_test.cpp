@@ -22,13 +22,13 @@ std::string with_radio(const std::string& part, const std::string& other) {
 TEST(InputsSection, DescribesRadarAndRadio) {
   const PlatoonModel model = model_of(kCarText + kInputs);
   const VehicleModel& vehicle = model.default_vehicle();
-  EXPECT_EQ(vehicle.noise_variance, 0.01);
-  EXPECT_EQ(vehicle.link.delay, 1);
-  ASSERT_TRUE(vehicle.feed_forward);
-  EXPECT_EQ(vehicle.feed_forward->gain, 0.9);
-  EXPECT_EQ(vehicle.feed_forward->noise_variance, 0.02);
-  EXPECT_EQ(vehicle.feed_forward->link.delay, 2);
-  EXPECT_TRUE(vehicle.feed_forward->link.loss->predictor.empty());
+  EXPECT_EQ(vehicle.position().noise_variance, 0.01);
+  EXPECT_EQ(vehicle.position().link.delay, 1);
+  ASSERT_TRUE(vehicle.radio());
+  EXPECT_EQ(vehicle.radio()->gain, 0.9);
+  EXPECT_EQ(vehicle.radio()->noise_variance, 0.02);
+  EXPECT_EQ(vehicle.radio()->link.delay, 2);
+  EXPECT_TRUE(vehicle.radio()->link.loss->predictor.empty());
   EXPECT_TRUE(vehicle.loop.parts);
   EXPECT_TRUE(sends_input(model, 0, 3));
   EXPECT_TRUE(sends_input(model, 2, 3));
@@ -38,8 +38,8 @@ TEST(InputsSection, DescribesRadarAndRadio) {
 TEST(InputsSection, MayLeaveNoiseAndChannelOfThePositionToTheVehicle) {
   const PlatoonModel model =
       model_of(kCarText + "noise_variance: 0.3\nchannel: {delay: 4}\ninputs:\n  - {signal: position}\n" + kRadio);
-  EXPECT_EQ(model.default_vehicle().noise_variance, 0.3);
-  EXPECT_EQ(model.default_vehicle().link.delay, 4);
+  EXPECT_EQ(model.default_vehicle().position().noise_variance, 0.3);
+  EXPECT_EQ(model.default_vehicle().position().link.delay, 4);
 }
 
 TEST(InputsSection, IsReadBackToTheBit) {
@@ -49,16 +49,16 @@ TEST(InputsSection, IsReadBackToTheBit) {
       "  other: {plant: {numerator: [5.0e-5, 5.0e-5], denominator: [1, -2, 1]}}\n"
       "string: [default, human, other]\n";
   const PlatoonModel model = model_of(kCarText + kInputs + types);
-  EXPECT_FALSE(model.types[1].vehicle.feed_forward);
-  EXPECT_TRUE(model.types[2].vehicle.feed_forward);
+  EXPECT_FALSE(model.types[1].vehicle.radio());
+  EXPECT_TRUE(model.types[2].vehicle.radio());
   EXPECT_TRUE(model.types[2].vehicle.loop.parts) << "G(z) and a radio: its input is known part by part";
   const PlatoonModel again = model_of(to_json(model).dump());
   EXPECT_EQ(to_json(again), to_json(model));
   for (std::size_t type = 0; type < model.types.size(); ++type) {
-    EXPECT_EQ(again.types[type].vehicle.feed_forward, model.types[type].vehicle.feed_forward);
+    EXPECT_EQ(again.types[type].vehicle.inputs, model.types[type].vehicle.inputs);
     EXPECT_EQ(again.types[type].vehicle.loop.realization.a(), model.types[type].vehicle.loop.realization.a());
   }
-  EXPECT_TRUE(with_loss(again, 0.2).types[2].vehicle.feed_forward->link.loss->probability == 0.2) << "inherited";
+  EXPECT_TRUE(with_loss(again, 0.2).types[2].vehicle.radio()->link.loss->probability == 0.2) << "inherited";
 }
 
 TEST(InputsSection, OfATypeReplaceTheChannelsOfTheDefaultVehicle) {
@@ -74,16 +74,16 @@ TEST(InputsSection, OfATypeReplaceTheChannelsOfTheDefaultVehicle) {
   for (const PlatoonModel& of : {model, model_of(to_json(model).dump())}) {
     const auto vehicle = [&of](std::size_t type) { return of.types.at(type).vehicle; };
     EXPECT_EQ(of.types[1].name, "bare");
-    EXPECT_TRUE(vehicle(1).link == LinkModel());
-    EXPECT_EQ(vehicle(1).noise_variance, 0.3);
-    EXPECT_EQ(vehicle(2).link.delay, 0);
-    EXPECT_EQ(vehicle(2).link.loss->probability, 0.1);
-    EXPECT_EQ(vehicle(2).noise_variance, 0.1);
-    EXPECT_EQ(vehicle(3).link.delay, 1);
-    EXPECT_FALSE(vehicle(3).link.loss);
-    EXPECT_TRUE(vehicle(4).link == of.default_vehicle().link);
-    EXPECT_FALSE(with_loss(of, 0.4).types[1].vehicle.link.loss) << "not inherited";
-    EXPECT_EQ(with_loss(of, 0.4).types[4].vehicle.link.loss->probability, 0.4);
+    EXPECT_TRUE(vehicle(1).position().link == LinkModel());
+    EXPECT_EQ(vehicle(1).position().noise_variance, 0.3);
+    EXPECT_EQ(vehicle(2).position().link.delay, 0);
+    EXPECT_EQ(vehicle(2).position().link.loss->probability, 0.1);
+    EXPECT_EQ(vehicle(2).position().noise_variance, 0.1);
+    EXPECT_EQ(vehicle(3).position().link.delay, 1);
+    EXPECT_FALSE(vehicle(3).position().link.loss);
+    EXPECT_TRUE(vehicle(4).position().link == of.default_vehicle().position().link);
+    EXPECT_FALSE(with_loss(of, 0.4).types[1].vehicle.position().link.loss) << "not inherited";
+    EXPECT_EQ(with_loss(of, 0.4).types[4].vehicle.position().link.loss->probability, 0.4);
   }
 }
 
@@ -97,14 +97,14 @@ TEST(InputsSection, IsOverriddenInTheInputOfTheSetting) {
   const std::string listed = kCarText + kInputs,
                     apart = kCarText + "noise_variance: 0.3\ninputs:\n  - {signal: position}\n" + kRadio;
   for (const std::string& model : {listed, apart}) {
-    EXPECT_EQ(overridden(model, "noise_variance", "0.7").noise_variance, 0.7);
-    EXPECT_EQ(overridden(model, "noise_variance", "0.7").feed_forward->noise_variance, 0.02);
-    EXPECT_EQ(overridden(model, "delay", "5").link.delay, 5);
+    EXPECT_EQ(overridden(model, "noise_variance", "0.7").position().noise_variance, 0.7);
+    EXPECT_EQ(overridden(model, "noise_variance", "0.7").radio()->noise_variance, 0.02);
+    EXPECT_EQ(overridden(model, "delay", "5").position().link.delay, 5);
     const VehicleModel lossy = overridden(model, "loss", "0.4");
-    EXPECT_EQ(lossy.feed_forward->link.loss->probability, 0.4);
-    EXPECT_FALSE(lossy.link.loss);
+    EXPECT_EQ(lossy.radio()->link.loss->probability, 0.4);
+    EXPECT_FALSE(lossy.position().link.loss);
   }
-  EXPECT_EQ(overridden(kCarText + "noise_variance: 0.3\n", "loss", "0.4").link.loss->probability, 0.4);
+  EXPECT_EQ(overridden(kCarText + "noise_variance: 0.3\n", "loss", "0.4").position().link.loss->probability, 0.4);
 }
 
 TEST(InputsSection, NamesAnInvalidInput) {

@@ -43,7 +43,7 @@ TEST(ModelFile, DescribesThePapersExample) {
   EXPECT_EQ(model.default_vehicle().headway, 3.2);
   EXPECT_EQ(model.default_vehicle().standstill_distance, 0.0);
   EXPECT_EQ(model.sample_period, 0.1);
-  EXPECT_EQ(model.default_vehicle().noise_variance, 0.6);
+  EXPECT_EQ(model.default_vehicle().position().noise_variance, 0.6);
   EXPECT_EQ(model.leader.position(10), expected.leader.position(10));
   EXPECT_EQ(model.default_vehicle().initial_position.mean, 0.0);
   EXPECT_EQ(model.default_vehicle().initial_position.variance, 0.0);
@@ -63,7 +63,7 @@ TEST(ModelFile, SetsEveryQuantity) {
   const PlatoonModel model = model_of(text);
   EXPECT_EQ(model.default_vehicle().standstill_distance, 6.5);
   EXPECT_EQ(model.sample_period, 0.02);
-  EXPECT_EQ(model.default_vehicle().noise_variance, 0.25);
+  EXPECT_EQ(model.default_vehicle().position().noise_variance, 0.25);
   ASSERT_EQ(model.leader.changes().size(), 2u);
   EXPECT_EQ(model.leader.changes()[1].from_step, 5);
   EXPECT_EQ(model.leader.changes()[1].value, -4.5);
@@ -110,7 +110,7 @@ TEST(ModelFile, IsReadBackToTheBit) {
     const PlatoonModel model = model_of(text), again = model_of(to_json(model).dump());
     expect_same_loop(again.default_vehicle(), model.default_vehicle());
     EXPECT_EQ(again.default_vehicle().loop.transfer.denominator(), model.default_vehicle().loop.transfer.denominator());
-    EXPECT_EQ(again.default_vehicle().noise_variance, model.default_vehicle().noise_variance);
+    EXPECT_EQ(again.default_vehicle().position().noise_variance, model.default_vehicle().position().noise_variance);
     EXPECT_EQ(to_json(again), to_json(model));
   }
 }
@@ -127,31 +127,31 @@ const std::string kTypesText =
 
 TEST(ModelFile, SetsChannelsAndTypesThatInheritFromTheDefaultVehicle) {
   const PlatoonModel model = model_of(kTypesText);
-  EXPECT_EQ(model.default_vehicle().link.noise_filter.numerator(), Eigen::Vector2d(1.0, 0.3));
-  EXPECT_EQ(model.default_vehicle().link.quantisation_step, 0.5);
-  EXPECT_EQ(model.default_vehicle().link.delay, 2);
-  ASSERT_TRUE(model.default_vehicle().link.loss);
-  EXPECT_EQ(model.default_vehicle().link.loss->probability, 0.2);
-  EXPECT_EQ(model.default_vehicle().link.loss->mean_burst, 2.5);
-  EXPECT_EQ(model.default_vehicle().link.loss->predictor, (std::vector<double>{2.0, -1.0}));
+  EXPECT_EQ(model.default_vehicle().position().link.noise_filter.numerator(), Eigen::Vector2d(1.0, 0.3));
+  EXPECT_EQ(model.default_vehicle().position().link.quantisation_step, 0.5);
+  EXPECT_EQ(model.default_vehicle().position().link.delay, 2);
+  ASSERT_TRUE(model.default_vehicle().position().link.loss);
+  EXPECT_EQ(model.default_vehicle().position().link.loss->probability, 0.2);
+  EXPECT_EQ(model.default_vehicle().position().link.loss->mean_burst, 2.5);
+  EXPECT_EQ(model.default_vehicle().position().link.loss->predictor, (std::vector<double>{2.0, -1.0}));
   ASSERT_EQ(model.types.size(), 3u);
   const VehicleModel &bus = model.types[1].vehicle, &truck = model.types[2].vehicle;
   EXPECT_EQ(truck.headway, 4.0);
   expect_same_loop(truck, paper_platoon(4.0).default_vehicle());
   EXPECT_EQ(truck.standstill_distance, 5.0);
-  EXPECT_EQ(truck.noise_variance, 0.6);
-  EXPECT_EQ(truck.link.delay, 1);
-  EXPECT_EQ(truck.link.quantisation_step, 0.5);
-  EXPECT_EQ(truck.link.loss->probability, 0.1);
-  EXPECT_EQ(truck.link.loss->predictor, (std::vector<double>{2.0, -1.0}));
+  EXPECT_EQ(truck.position().noise_variance, 0.6);
+  EXPECT_EQ(truck.position().link.delay, 1);
+  EXPECT_EQ(truck.position().link.quantisation_step, 0.5);
+  EXPECT_EQ(truck.position().link.loss->probability, 0.1);
+  EXPECT_EQ(truck.position().link.loss->predictor, (std::vector<double>{2.0, -1.0}));
   EXPECT_EQ(bus.headway, 3.2);
-  EXPECT_EQ(bus.noise_variance, 0.1);
+  EXPECT_EQ(bus.position().noise_variance, 0.1);
   EXPECT_EQ(bus.initial_position.variance, 2.0);
   EXPECT_NE(bus.loop.realization.b(), model.default_vehicle().loop.realization.b());
-  EXPECT_TRUE(bus.link == model.default_vehicle().link);
+  EXPECT_TRUE(bus.position().link == model.default_vehicle().position().link);
   for (const VehicleType& type : model.types) EXPECT_TRUE(type.inherited.mean_burst) << type.name;
   EXPECT_FALSE(model.types[2].inherited.loss_probability);
-  EXPECT_EQ(with_mean_burst(model, 3.0).types[2].vehicle.link.loss->mean_burst, 3.0);
+  EXPECT_EQ(with_mean_burst(model, 3.0).types[2].vehicle.position().link.loss->mean_burst, 3.0);
   EXPECT_EQ(model.string, (std::vector<std::size_t>{0, 2, 0, 1}));
   EXPECT_FALSE(is_homogeneous(model));
   for (const std::size_t i : {2, 6}) EXPECT_EQ(vehicle(model, i).headway, 4.0);
@@ -161,7 +161,8 @@ TEST(ModelFile, SetsChannelsAndTypesThatInheritFromTheDefaultVehicle) {
 TEST(ModelFile, KeepsAMeanBurstInheritedInEveryCopy) {
   nlohmann::json document = to_json(model_of(kTypesText));
   document["channel"]["loss"]["mean_burst"] = 1.5;
-  for (const VehicleType& type : model_of(document.dump()).types) EXPECT_EQ(type.vehicle.link.loss->mean_burst, 1.5);
+  for (const VehicleType& type : model_of(document.dump()).types)
+    EXPECT_EQ(type.vehicle.position().link.loss->mean_burst, 1.5);
 }
 
 TEST(ModelFile, SetsTheClosedLoopOfAType) {
@@ -181,7 +182,7 @@ TEST(ModelFile, IsReadBackToTheBitWithChannelsAndTypes) {
   EXPECT_EQ(to_json(again), to_json(model));
   EXPECT_EQ(again.string, model.string);
   for (std::size_t i = 0; i < model.types.size(); ++i) {
-    EXPECT_TRUE(again.types[i].vehicle.link == model.types[i].vehicle.link);
+    EXPECT_TRUE(again.types[i].vehicle.position().link == model.types[i].vehicle.position().link);
     expect_same_loop(again.types[i].vehicle, model.types[i].vehicle);
   }
 }

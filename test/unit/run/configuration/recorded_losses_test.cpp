@@ -35,7 +35,7 @@ TEST_F(RecordedLosses, AreReadBesideTheModelFileAndKeptInEveryCopy) {
   const Configuration copy = parse_configuration(to_json(configuration).dump());
   EXPECT_EQ(to_json(copy), to_json(configuration));
   for (const Configuration* of : {&configuration, &copy}) {
-    const auto loss = [&](std::size_t type) { return *of->model.types[type].vehicle.link.loss; };
+    const auto loss = [&](std::size_t type) { return *of->model.types[type].vehicle.position().link.loss; };
     for (const std::size_t type : {0, 1}) {
       ASSERT_TRUE(loss(type).trace) << type;
       EXPECT_EQ(loss(type).trace->runs(), "1 2 1");
@@ -54,8 +54,8 @@ TEST_F(RecordedLosses, AreReadBesideTheModelFileAndKeptInEveryCopy) {
 
 TEST_F(RecordedLosses, AreReplacedByAGivenProbability) {
   const PlatoonModel model = with("channel: {loss: {runs: 3 1, on_loss: hold}}\n", {{"loss", "0.2"}}).model;
-  EXPECT_FALSE(model.default_vehicle().link.loss->trace);
-  EXPECT_EQ(model.default_vehicle().link.loss->probability, 0.2);
+  EXPECT_FALSE(model.default_vehicle().position().link.loss->trace);
+  EXPECT_EQ(model.default_vehicle().position().link.loss->probability, 0.2);
   EXPECT_FALSE(no_theory(model));
 }
 

@@ -21,7 +21,7 @@ LossyGraph::LossyGraph(const PlatoonModel& model, const BatchSchedule& schedule,
       to_recorder_(troubles.recorder ? followers + 1 : 0) {
   for (std::uint32_t i = 1; i <= followers; ++i) {
     followers_.push_back(new_follower(i));
-    channels_.emplace_back(model.default_vehicle().noise_variance, noise_seed, i);
+    channels_.emplace_back(model.default_vehicle().position().noise_variance, noise_seed, i);
   }
   start_leader();
   start_monitor();

@@ -183,8 +183,8 @@ TEST(Analysis, HasNoSignalsUnlessRequested) {
 TEST(Analysis, HasNoSignalsIfErrorsAreNotNormal) {
   for (const bool in_bursts : {false, true}) {
     PlatoonModel model = model_at(3.2);
-    model.default_vehicle().link.loss = LossModel{0.1, {}, {1.0}};
-    if (in_bursts) model.default_vehicle().link.loss->mean_burst = 3.0;
+    model.default_vehicle().position().link.loss = LossModel{0.1, {}, {1.0}};
+    if (in_bursts) model.default_vehicle().position().link.loss->mean_burst = 3.0;
     const Analyzed analyzed(model, 2, 5, {{"gap", "speed"}, 1e-6});
     const nlohmann::json document = analyzed.json();
     EXPECT_TRUE(document.at("signals").is_null());

@@ -43,7 +43,7 @@ TEST_F(PlausibilityTest, AFastLeaderHasOneWithItsSpeedInBothUnits) {
 }
 
 TEST_F(PlausibilityTest, ARecordedDriveIsJudgedByItsPositions) {
-  car().feed_forward.reset();
+  car().inputs.resize(1);
   configuration_.model.recorded_leader = {0.0, 0.2, 0.4, 1.1};  // the last step at 70 m/s
   const std::vector<std::string> found = warnings();
   ASSERT_FALSE(found.empty());

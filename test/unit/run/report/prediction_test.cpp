@@ -67,7 +67,7 @@ TEST_F(PredictionTest, EndsBeforeTheFirstExternalVehicle) {
 }
 
 TEST_F(PredictionTest, OfLossesInBurstsIsExactWithoutAVerdict) {
-  configuration_.model.default_vehicle().link.loss = LossModel{0.1, 2.0, {1.0}};
+  configuration_.model.default_vehicle().position().link.loss = LossModel{0.1, 2.0, {1.0}};
   const Prediction prediction = predict(configuration_);
   EXPECT_TRUE(prediction.has_theory());
   EXPECT_EQ(prediction.variance, error_moments(configuration_.model, 2, 3).variance);

@@ -24,7 +24,7 @@ class AmplificationResultsTest : public ResultTest {
 protected:
   AmplificationResultsTest() {
     configuration_.model = eventful_platoon(3.2);
-    configuration_.model.default_vehicle().noise_variance = 1e-6;
+    configuration_.model.default_vehicle().position().noise_variance = 1e-6;
     configuration_.model.default_vehicle().initial_position = {};
     configuration_.run.steps = 40;
     configuration_.run.signals = {"gap", "speed", "acceleration"};

@@ -50,7 +50,7 @@ protected:
   }
 
   void lose_packets(const LossModel& loss) {
-    configuration_.model.default_vehicle().link.loss = loss;
+    configuration_.model.default_vehicle().position().link.loss = loss;
     predict_again();
   }
 

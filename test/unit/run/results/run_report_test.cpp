@@ -29,7 +29,7 @@ protected:
     RunResult result;
     result.realizations = realizations;
     PlatoonModel model = configuration_.model;
-    model.default_vehicle().noise_variance *= noise_factor;
+    model.default_vehicle().position().noise_variance *= noise_factor;
     result.moments = monte_carlo(model, {seed, 2, 20, 1024}, realizations).moments.totals();
     return report_of(result);
   }
@@ -47,7 +47,7 @@ protected:
 
   void make_lossy(double probability, double noise_variance, std::vector<double> predictor) {
     configuration_.run.steps = 20;
-    configuration_.model.default_vehicle().noise_variance = noise_variance;
+    configuration_.model.default_vehicle().position().noise_variance = noise_variance;
     lose_packets({probability, {}, std::move(predictor)});
   }
 };

@@ -42,7 +42,8 @@ protected:
     for (std::int64_t k = 0; k < steps; ++k) all.add(0, std::vector<double>(count, leader.step()));
     for (std::uint32_t i = 1; i <= configuration_.run.followers; ++i) {
       FollowerVehicle follower(configuration_.model, configuration_.run.seed, i);
-      const AwgnChannel channel(configuration_.model.default_vehicle().noise_variance, configuration_.run.seed, i);
+      const AwgnChannel channel(configuration_.model.default_vehicle().position().noise_variance,
+                                configuration_.run.seed, i);
       std::vector<double> own;
       follower.start(first, count, own);
       all.add(i, own);

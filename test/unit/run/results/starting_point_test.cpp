@@ -46,16 +46,16 @@ TEST_F(StartingPointTest, NamesTheDifferencesFromAnotherConfiguration) {
   write(13);
   configuration_.run.resume = true;
   configuration_.run.seed = 2;
-  configuration_.model.default_vehicle().noise_variance = 0.25;
+  configuration_.model.default_vehicle().position().noise_variance = 0.25;
   EXPECT_EQ(rejection(), "output: " + folder_.path() +
                              ": holds a run of another configuration: noise_variance is 0.6 there and 0.25 here, seed "
                              "is 1 there and 2 here");
 }
 
 TEST_F(StartingPointTest, NamesAKeyThatOnlyOneConfigurationHas) {
-  configuration_.model.default_vehicle().link.delay = 1;
+  configuration_.model.default_vehicle().position().link.delay = 1;
   write(13);
-  configuration_.model.default_vehicle().link.delay = 0;
+  configuration_.model.default_vehicle().position().link.delay = 0;
   EXPECT_TRUE(contains(rejection(), "channel is {\"delay\":1} there and null here"));
 }
 

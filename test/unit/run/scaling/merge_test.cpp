@@ -73,8 +73,8 @@ TEST(Merge, OfALossyRunHasTheBitsOfAllFourMoments) {
   for (std::uint64_t i = 0; i < 5; ++i) {
     folders.push_back(folder / std::to_string(i));
     ShardRun run = paper_shard(folders.back(), i, 5);
-    run.configuration.model.default_vehicle().link.loss = LossModel();
-    run.configuration.model.default_vehicle().link.loss->probability = 0.2;
+    run.configuration.model.default_vehicle().position().link.loss = LossModel();
+    run.configuration.model.default_vehicle().position().link.loss->probability = 0.2;
     compute_locked(run);
   }
   std::reverse(folders.begin(), folders.end());
@@ -125,9 +125,9 @@ TEST_F(MergeTest, NamesTheDifferencesOfAnotherRun) {
            Case{[](ShardRun& run) { run.configuration.run.realizations = 1001; },
                 "realizations is 1000 there and 1001 here"},
            Case{[](ShardRun& run) { run.shard.of = 4; }, "shards is 3 there and 4 here"},
-           Case{[](ShardRun& run) { run.configuration.model.default_vehicle().noise_variance = 0.5; },
+           Case{[](ShardRun& run) { run.configuration.model.default_vehicle().position().noise_variance = 0.5; },
                 "noise_variance is 0.6 there and 0.5 here"},
-           Case{[](ShardRun& run) { run.configuration.model.default_vehicle().link.delay = 1; },
+           Case{[](ShardRun& run) { run.configuration.model.default_vehicle().position().link.delay = 1; },
                 "channel is null there and {\"delay\":1} here"},
        }) {
     std::filesystem::remove_all(folders_[2]);

@@ -29,7 +29,7 @@ TEST(SweepFile, VariesTheLastAxisFastest) {
   EXPECT_EQ(sweep.name_of(5), "loss = 0.1, headway = 4");
   const Configuration last = sweep.configuration(5);
   EXPECT_EQ(last.model.default_vehicle().headway, 4.0);
-  EXPECT_EQ(last.model.default_vehicle().link.loss->probability, 0.1);
+  EXPECT_EQ(last.model.default_vehicle().position().link.loss->probability, 0.1);
   EXPECT_EQ(last.run.seed, 7u);
   EXPECT_EQ(last.run.batch, 512u);
   EXPECT_EQ(last.run.hosting, Hosting::monte_carlo);
@@ -53,10 +53,10 @@ TEST(SweepFile, VariesAnyKeyOfTheModelFile) {
   const PlatoonModel first = sweep.configuration(0).model, last = sweep.configuration(7).model;
   EXPECT_NE(first.default_vehicle().loop.transfer.numerator(), last.default_vehicle().loop.transfer.numerator());
   EXPECT_EQ(last.default_vehicle().loop.transfer.numerator(), paper.default_vehicle().loop.transfer.numerator());
-  EXPECT_EQ(last.default_vehicle().link.delay, 1u);
+  EXPECT_EQ(last.default_vehicle().position().link.delay, 1u);
   EXPECT_EQ(last.leader.changes().size(), 1u);
   // The keys of one point do not affect another.
-  EXPECT_EQ(sweep.configuration(0).model.default_vehicle().link.delay, 0u);
+  EXPECT_EQ(sweep.configuration(0).model.default_vehicle().position().link.delay, 0u);
 }
 
 TEST(SweepFile, VariesRecordedDrivesBesideIt) {
@@ -78,7 +78,7 @@ TEST(SweepFile, HasTheSettingsOfTheRunsAndTheKeptRows) {
       "keep: {followers: last, steps: all}\n");
   EXPECT_EQ(sweep.configuration(0).run.realizations, 100000u);
   EXPECT_EQ(sweep.configuration(0).run.followers, 7u);
-  EXPECT_EQ(sweep.configuration(0).model.default_vehicle().link.loss->probability, 0.2);
+  EXPECT_EQ(sweep.configuration(0).model.default_vehicle().position().link.loss->probability, 0.2);
   EXPECT_EQ(sweep.tasks(), 8u);
   EXPECT_FALSE(sweep.all_followers);
   EXPECT_TRUE(sweep.all_steps);
@@ -111,7 +111,7 @@ TEST(SweepFile, FindsTablesOfLossesBesideIt) {
   folder.file("log.csv", "received\n1\n0\n1\n");
   const std::string file =
       folder.file("sweep.yaml", "vary: {channel: [{loss: {trace: log.csv}}, {loss: {probability: 0.1}}]}\nsteps: 10\n");
-  EXPECT_EQ(read_sweep(file, {}).configuration(0).model.default_vehicle().link.loss->trace->runs(), "1 1 1");
+  EXPECT_EQ(read_sweep(file, {}).configuration(0).model.default_vehicle().position().link.loss->trace->runs(), "1 1 1");
 }
 
 TEST(SweepFile, HasTheHeadwayInSecondsAndTheSignals) {
