@@ -53,6 +53,17 @@ Eigen::VectorXd LossOperator::drives(const std::vector<Eigen::ArrayXd>& added) c
   return result;
 }
 
+std::vector<Eigen::VectorXd> LossOperator::spectra_of(const Eigen::VectorXd& drives) const {
+  std::vector<Eigen::VectorXd> found;
+  for (const Alike& of : alike_) {
+    const Eigen::Index count = of.losses->dimensions();
+    if (count != spectra_.nodes()) continue;  // independent losses
+    for (std::size_t k = 0; k < of.links.size(); ++k)
+      found.push_back(drives.segment(of.first + static_cast<Eigen::Index>(k) * count, count));
+  }
+  return found;
+}
+
 Eigen::VectorXd LossOperator::operator()(const Eigen::VectorXd& given) const {
   std::vector<Eigen::ArrayXd> added(spectra_.size(), Eigen::ArrayXd::Zero(spectra_.nodes()));
   add(given, added);

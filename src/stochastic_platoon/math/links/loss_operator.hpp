@@ -24,6 +24,9 @@ public:
   /// The drives in an endless string in which vehicle l adds added[l] to the spectrum.
   Eigen::VectorXd drives(const std::vector<Eigen::ArrayXd>& added) const;
 
+  /// The drives of each link whose losses have a memory: one value per node.
+  std::vector<Eigen::VectorXd> spectra_of(const Eigen::VectorXd& drives) const;
+
   Eigen::VectorXd operator()(const Eigen::VectorXd& given) const;
 
 private:

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <utility>
 
+#include "stochastic_platoon/math/links/loss_operator.hpp"
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
+#include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 
@@ -87,6 +90,31 @@ private:
   std::optional<std::size_t> factors_;
 };
 
+/// The rule with the panels cut on which its nodes do not interpolate the drives of the losses of an endless string.
+/// The longer the bursts, the less they scatter a frequency, and the narrower the peak of the drives at the frequency
+/// where losses feed on each other most: like the power -1/3 of the mean burst.
+Quadrature resolving_drives(const LinkedPattern& pattern, Quadrature rule) {
+  constexpr double kError = 1e-9;  // relative to the peak
+  std::ptrdiff_t before = static_cast<std::ptrdiff_t>(rule.middle.size());
+  while (rule.node.size() <= kMostKernelNodes / 2) {
+    const StringSpectra spectra(pattern, SpectralNodes(rule));
+    const LossOperator losses(spectra);
+    std::vector<int> pieces(rule.middle.size(), 1);
+    for (const Eigen::VectorXd& drives : losses.spectra_of(perron_vector(losses, losses.dimensions()))) {
+      const std::vector<double> errors = interpolation_errors(rule, drives.data());
+      const double most = kError * drives.cwiseAbs().maxCoeff();
+      for (std::size_t panel = 0; panel < errors.size(); ++panel) {
+        if (errors[panel] > most) pieces[panel] = 2;
+      }
+    }
+    const std::ptrdiff_t cut = std::count(pieces.begin(), pieces.end(), 2);
+    if (cut == 0 || cut > before) break;  // above: rounding, near the border of stability
+    rule = with_panels_cut(rule, pieces);
+    before = cut;
+  }
+  return rule;
+}
+
 /// Distance from the unit circle of the poles of the vehicles and chains, and of this margin.
 double least_decay(const LinkedPattern& pattern, const Frequencies& margin) {
   double width = 1.0;
@@ -110,10 +138,11 @@ bool has_settled(double change, double before, bool resolved) {
 std::optional<std::vector<double>> settled_on_few(const LinkedPattern& pattern, std::optional<std::size_t> followers,
                                                   const Frequencies& margin, const SpectralValues& values) {
   const ResolvingQuadrature quadrature(pattern, followers, margin);
+  const Quadrature resolving = followers ? quadrature(0) : resolving_drives(pattern, quadrature(0));
   std::vector<double> coarse;
   double before = kInfinity;
   for (int refinement = 0;; ++refinement) {
-    SpectralNodes nodes(quadrature(refinement));
+    SpectralNodes nodes(with_panels_cut(resolving, std::vector<int>(resolving.middle.size(), 1 << refinement)));
     const bool too_many = static_cast<std::size_t>(nodes.count()) > kMostKernelNodes;
     if (too_many && before <= kMostRounding) return coarse;
     if (too_many) return std::nullopt;

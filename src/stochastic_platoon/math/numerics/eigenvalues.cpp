@@ -23,4 +23,11 @@ double spectral_radius(const Eigen::MatrixXd& matrix) {
   return eigenvalues(matrix).cwiseAbs().maxCoeff();
 }
 
+Eigen::VectorXd leading_eigenvector(const Eigen::MatrixXd& matrix) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix);
+  Eigen::Index largest = 0;
+  solver.eigenvalues().cwiseAbs().maxCoeff(&largest);
+  return solver.eigenvectors().col(largest).real();
+}
+
 }  // namespace platoon

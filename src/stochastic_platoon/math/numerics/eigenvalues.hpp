@@ -15,4 +15,7 @@ std::vector<std::complex<double>> eigenvalues_beside_one(const Eigen::MatrixXd& 
 /// The largest modulus of an eigenvalue.
 double spectral_radius(const Eigen::MatrixXd& matrix);
 
+/// An eigenvector of an eigenvalue with this modulus, which must be real.
+Eigen::VectorXd leading_eigenvector(const Eigen::MatrixXd& matrix);
+
 }  // namespace platoon

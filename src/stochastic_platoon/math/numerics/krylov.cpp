@@ -143,6 +143,19 @@ double perron_root(const NonnegativeMap& map, Eigen::Index size, double share_of
   return root;
 }
 
+Eigen::VectorXd perron_vector(const NonnegativeMap& map, Eigen::Index size) {
+  constexpr double kSettled = 1e-10;
+  const Eigen::VectorXd units = units_of_powers(map, size);
+  const NonnegativeMap scaled = in_units(units, map);
+  KrylovSpace space(scaled, Eigen::VectorXd::Ones(size));
+  double root = 0.0, before = -1.0;
+  while (space.extend() && std::abs(root - before) > kSettled * root) {
+    before = root;
+    root = spectral_radius(space.projected());
+  }
+  return units.cwiseProduct(space.combined(leading_eigenvector(space.projected())));
+}
+
 RootBounds perron_bounds(const NonnegativeMap& map, Eigen::Index size) {
   constexpr int kSteps = 3;
   Eigen::VectorXd x = Eigen::VectorXd::Ones(size);

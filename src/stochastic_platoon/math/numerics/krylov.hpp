@@ -17,6 +17,9 @@ using NonnegativeMap = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 /// powers of the map, until the root settles to 1e-14, or in two successive steps to this share of its distance from 1.
 double perron_root(const NonnegativeMap& map, Eigen::Index size, double share_of_distance = 0.0);
 
+/// The eigenvector of the root to some digits, by Arnoldi's method in the same units.
+Eigen::VectorXd perron_vector(const NonnegativeMap& map, Eigen::Index size);
+
 /// Bounds of the root: the smallest and the largest ratio of map(x) to x, x > 0 (L. Collatz, Math. Z. 48, 1942), after
 /// a few steps of power iteration. Cheaper than perron_root().
 struct RootBounds {

@@ -1,11 +1,13 @@
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -99,6 +101,35 @@ Quadrature computed_gauss_legendre() {
   return rule;
 }
 
+/// Adds the nodes of a panel that begins at `from`, cut into equal pieces.
+void add_pieces(double from, double half_length, int pieces, Quadrature& rule) {
+  const Quadrature& gauss = gauss_legendre();
+  const double half = half_length / pieces;
+  for (int piece = 0; piece < pieces; ++piece) {
+    const double middle = from + (2.0 * piece + 1.0) * half;
+    rule.middle.push_back(middle);
+    rule.half_length.push_back(half);
+    for (std::size_t k = 0; k < gauss.node.size(); ++k) {
+      rule.node.push_back(middle + half * gauss.node[k]);
+      rule.weight.push_back(gauss.weight[k] * half / pi);
+    }
+  }
+}
+
+/// Factors of the values at the Gauss nodes in the last two Legendre coefficients of their interpolation.
+std::array<std::array<double, kGaussNodes>, 2> legendre_tail() {
+  std::array<std::array<double, kGaussNodes>, 2> factors;
+  for (std::size_t k = 0; k < kGaussNodes; ++k) {
+    const double x = gauss_legendre().node[k], weight = gauss_legendre().weight[k];
+    double before = 1.0, legendre = x;  // P_0, P_1
+    for (unsigned l = 1; l + 2 < kGaussNodes; ++l)
+      before = std::exchange(legendre, boost::math::legendre_next(l, x, legendre, before));
+    factors[0][k] = (kGaussNodes - 1.5) * weight * legendre;
+    factors[1][k] = (kGaussNodes - 0.5) * weight * boost::math::legendre_next(kGaussNodes - 2, x, legendre, before);
+  }
+  return factors;
+}
+
 }  // namespace
 
 const Quadrature& gauss_legendre() {
@@ -138,7 +169,6 @@ OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
 
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
                                   int refinement, std::optional<std::size_t> factors) {
-  const Quadrature& gauss = gauss_legendre();
   const std::vector<std::complex<double>> around = images(singular);
   std::vector<double> cuts{0.0, pi};
   for (const double peak : peaks)
@@ -149,20 +179,30 @@ Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singu
   std::vector<Panel> panels;
   for (std::size_t i = 1; i < cuts.size(); ++i) add_resolved(panels, {cuts[i - 1], cuts[i]}, around);
   Quadrature rule;
-  const int pieces = 1 << refinement;
-  for (const Panel& panel : panels) {
-    const double half = panel.length() / (2.0 * pieces);
-    for (int piece = 0; piece < pieces; ++piece) {
-      const double middle = panel.from + (2.0 * piece + 1.0) * half;
-      rule.middle.push_back(middle);
-      rule.half_length.push_back(half);
-      for (std::size_t k = 0; k < gauss.node.size(); ++k) {
-        rule.node.push_back(middle + half * gauss.node[k]);
-        rule.weight.push_back(gauss.weight[k] * half / pi);
-      }
-    }
-  }
+  for (const Panel& panel : panels) add_pieces(panel.from, panel.length() / 2.0, 1 << refinement, rule);
   return rule;
+}
+
+Quadrature with_panels_cut(const Quadrature& rule, const std::vector<int>& pieces) {
+  Quadrature finer;
+  for (std::size_t panel = 0; panel < pieces.size(); ++panel) {
+    const double half = rule.half_length[panel];
+    add_pieces(rule.middle[panel] - half, half, pieces[panel], finer);
+  }
+  return finer;
+}
+
+std::vector<double> interpolation_errors(const Quadrature& rule, const double* values) {
+  constexpr std::size_t n = kGaussNodes;
+  static const auto tail = legendre_tail();
+  std::vector<double> errors;
+  for (std::size_t panel = 0; panel < rule.middle.size(); ++panel, values += n) {
+    double error = 0.0;
+    for (const std::array<double, n>& factors : tail)
+      error = std::max(error, std::abs(std::inner_product(factors.begin(), factors.end(), values, 0.0)));
+    errors.push_back(error);
+  }
+  return errors;
 }
 
 }  // namespace platoon

@@ -54,6 +54,13 @@ bool is_converged(double change, double change_before);
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
                                   int refinement = 0, std::optional<std::size_t> factors = {});
 
+/// The rule with each panel cut into its number of equal pieces.
+Quadrature with_panels_cut(const Quadrature& rule, const std::vector<int>& pieces);
+
+/// Error per panel of the interpolation of these values at the rule's nodes: the larger of the last two Legendre
+/// coefficients. For a mean over the panel it is the square of that, relatively.
+std::vector<double> interpolation_errors(const Quadrature& rule, const double* values);
+
 /// The largest relative change from a to b, ignoring entries of b that are 0 or not finite.
 inline double largest_change(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0.0;

@@ -235,6 +235,22 @@ TEST(LossyString, HasTheVariancesOfAnIndependentProgramForLongBurstsAndRareLosse
   }
 }
 
+// Reference: all lags of the chain on 2^22 equally spaced frequencies (loss_gain_by_lags() of burst_theory_test.py).
+// The drives have a peak of width b^(-1/3) where losses feed on each other most, far from all poles.
+TEST(LossyString, HasTheLossGainOfAllLagsForLongBursts) {
+  const TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
+  const LoopDesign design{plant,
+                          TransferFunction(Eigen::Vector2d(0.04088916224084406, -0.004719188849478725),
+                                           Eigen::Vector3d(1.0, 0.826416015625, 0.139367938041687)),
+                          true};
+  PlatoonModel model = lossy_platoon({0.5825656908801564, 285474.66106715833, {1.0}});
+  VehicleModel& vehicle = model.default_vehicle();
+  vehicle.headway = 15.241483475734945;
+  vehicle.design = design;
+  vehicle.loop = close_loop(design, vehicle.headway);
+  EXPECT_NEAR(loss_gain(LinkedPattern(model)) / 6.1208500913861, 1.0, 3e-11);
+}
+
 // Losses that nearly alternate scatter a constant motion into a line at w = pi.
 TEST(LossyString, IsContinuousWhereLossesAlternate) {
   const auto variance = [](double beyond) {

@@ -69,6 +69,14 @@ TEST(Krylov, FindsThePerronRootOfEqualRowSums) {
   EXPECT_NEAR(perron_root(map_of(Eigen::MatrixXd::Constant(5, 5, 0.1)), 5), 0.5, 1e-14);
 }
 
+TEST(Krylov, FindsTheEigenvectorOfThePerronRoot) {
+  for (const Eigen::Index size : {2, 60, 200}) {
+    const Eigen::MatrixXd matrix = nonnegative(size, 0.75);
+    const Eigen::VectorXd x = perron_vector(map_of(matrix), size);
+    EXPECT_LT((matrix * x - 0.75 * x).norm(), 1e-7 * x.norm()) << size;
+  }
+}
+
 TEST(Krylov, EnclosesThePerronRoot) {
   for (const Eigen::Index size : {1, 7, 200}) {
     const RootBounds bounds = perron_bounds(map_of(nonnegative(size, 0.75)), size);

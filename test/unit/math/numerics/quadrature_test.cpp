@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 namespace platoon {
 namespace {
@@ -46,6 +47,39 @@ TEST(Quadrature, ResolvesFunctionsThatAreNarrowAtAPeak) {
     const auto bump = [&](double w) { return std::exp(-std::pow((w - peak) / width, 2)); };
     const double exact = width / std::sqrt(3.141592653589793);  // its integral, divided by pi
     EXPECT_NEAR(integrate(half_circle_quadrature({}, {peak}), bump), exact, 1e-9 * exact) << width;
+  }
+}
+
+TEST(Quadrature, CutsEachPanelIntoItsNumberOfPieces) {
+  const Quadrature rule = half_circle_quadrature({{1.0, 0.1}}, {}), twice = half_circle_quadrature({{1.0, 0.1}}, {}, 1);
+  std::vector<int> pieces(rule.middle.size(), 2);
+  const Quadrature same = with_panels_cut(rule, pieces);
+  ASSERT_EQ(same.node.size(), twice.node.size());
+  for (std::size_t k = 0; k < same.node.size(); ++k) {
+    EXPECT_NEAR(same.node[k], twice.node[k], 1e-15);
+    EXPECT_NEAR(same.weight[k], twice.weight[k], 1e-15);
+  }
+  pieces.assign(pieces.size(), 1);
+  pieces.back() = 3;
+  EXPECT_EQ(with_panels_cut(rule, pieces).middle.size(), rule.middle.size() + 2);
+  EXPECT_NEAR(integrate(with_panels_cut(rule, pieces), [](double w) { return std::cos(w / 2.0); }), 0.6366197723675814,
+              1e-15);
+}
+
+// The coefficient of P_l in x^l is 2^l l!^2 / (2 l)!.
+TEST(Quadrature, KnowsThePanelsOnWhichItsNodesDoNotInterpolate) {
+  const Quadrature rule = half_circle_quadrature({{1.0, 0.1}}, {});
+  const std::size_t chosen = 3;
+  for (const int power : {13, 14, 15}) {
+    std::vector<double> values(rule.node.size(), 1.0);
+    for (std::size_t k = 0; k < kGaussNodes; ++k)
+      values[chosen * kGaussNodes + k] = std::pow(gauss_legendre().node[k], power);
+    const std::vector<double> errors = interpolation_errors(rule, values.data());
+    ASSERT_EQ(errors.size(), rule.middle.size());
+    double leading = 1.0;
+    for (int l = 1; l <= power; ++l) leading *= l / (2.0 * l - 1.0);
+    for (std::size_t panel = 0; panel < errors.size(); ++panel)
+      EXPECT_NEAR(errors[panel], panel == chosen && power > 13 ? leading : 0.0, 1e-14) << panel << " " << power;
   }
 }
 
