@@ -97,8 +97,8 @@ public:
     const InitialPosition& initial = model_.initial_position;
     SequenceMoments own{passed(used.mean) + static_cast<long double>(initial.mean) * free_,
                         passed(passed(used.covariance).transpose())};
-    own.covariance += static_cast<long double>(initial.variance) * (free_ * free_.transpose());
     add_errors(predecessor, own, passed(with_position), moments);
+    own.covariance += static_cast<long double>(initial.variance) * (free_ * free_.transpose());
     return own;
   }
 
@@ -107,17 +107,19 @@ private:
     return whole.block(row * count_, column * count_, count_, count_);
   }
 
-  // `shared`: the own motion (row) with the predecessor's position.
+  // `own`: without the initial position's part of the covariance, which is a square in the error: until noise arrives
+  // it may be all of the variance, and near 0. `shared`: the own motion (row) with the predecessor's position.
   void add_errors(const SequenceMoments& predecessor, const SequenceMoments& own, const Matrix& shared,
                   ErrorMoments& moments) const {
-    const long double h = model_.headway, g = 1.0L + h;
+    const long double h = model_.headway, g = 1.0L + h, initial = model_.initial_position.variance;
     for (Eigen::Index a = 1; a < count_; ++a) {
       moments.mean.push_back(
           static_cast<double>(predecessor.mean(a) - own.mean(a) - h * (own.mean(a) - own.mean(a - 1))));
       const long double variance = predecessor.covariance(a, a) + g * g * own.covariance(a, a) +
                                    h * h * own.covariance(a - 1, a - 1) - 2.0L * g * h * own.covariance(a, a - 1) -
                                    2.0L * g * shared(a, a) + 2.0L * h * shared(a - 1, a);
-      moments.variance.push_back(static_cast<double>(std::max(variance, 0.0L)));
+      const long double free = free_(a) + h * (free_(a) - free_(a - 1));
+      moments.variance.push_back(static_cast<double>(std::max(variance, 0.0L) + initial * free * free));
     }
   }
 

@@ -74,6 +74,18 @@ TEST(ChainMoments, BeginWithTheStationaryChain) {
   EXPECT_NEAR(moments.variance_at(1, 1), 0.7 * error_moments(without, 1, 2).variance_at(1, 1), 1e-14);
 }
 
+// Before the first noise arrives, the variance is that of the initial position times a response that crosses 0.
+TEST(ChainMoments, KeepTheirDigitsWhereTheInitialPositionsResponseCrossesZero) {
+  PlatoonModel model = paper_platoon(1000.0);
+  model.default_vehicle().initial_position.variance = 0.5;
+  model.default_vehicle().position().link.delay = 60;
+  const ErrorMoments expected = linked_error_moments(model, 1, 60);
+  model.default_vehicle().position().link.loss = LossModel{1e-14, 1e4, {1.0}};
+  const ErrorMoments found = chain_error_moments(model, 1, 60);
+  for (std::int64_t k = 0; k < 60; ++k)
+    EXPECT_NEAR(found.variance_at(1, k) / expected.variance_at(1, k), 1.0, 1e-12) << k;
+}
+
 TEST(ChainMoments, RejectRunsWithoutSteps) {
   const PlatoonModel model = with_bursts(0.1, 2.0, {1.0});
   EXPECT_THROW(chain_error_moments(model, 0, 5), std::invalid_argument);
