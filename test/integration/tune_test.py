@@ -272,7 +272,7 @@ class Program(FolderTest):
     def test_the_report_says_why_there_is_no_bound(self):
         for text, reason in ((self.SMALL.replace("limit_variance", "spectral_radius"), "it exists for limit_variance, peak_gain, sensitivity_peak only, not for spectral_radius"),
                              (self.SMALL.replace("controller/numerator/0: [1.0, 2.0]", "time_headway: [3.0, 4.0]"),
-                              "it exists for the gains and coefficients of the controller, not for time_headway")):
+                              "it exists for gains of the controller and numbers of its numerator and denominator, not for time_headway")):
             done = self.tune(text, "--bound", "20", "--output", self.path(reason[:13] + reason[-4:]))
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("No lower bound: " + reason, done.stdout)

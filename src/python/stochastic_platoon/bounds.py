@@ -47,7 +47,7 @@ def reason_without_bound(model: Model, figure: str, variables: Sequence[str]) ->
     document = model.to_dict()
     others = [key for key in variables if not _is_coefficient(key, document.get("controller", {}))]
     if others:
-        return "it exists for the gains and coefficients of the controller, not for {}".format(", ".join(others))
+        return "it exists for gains of the controller and numbers of its numerator and denominator, not for {}".format(", ".join(others))
     channel = document.get("channel", {})
     if not model.is_homogeneous or document.get("inputs") or "closed_loop" in document or any(
             channel.get(key) for key in ("loss", "delay", "quantisation_step", "noise_filter")):

@@ -29,7 +29,7 @@ Wording wording(const LinkedPattern& pattern) {
           1e-11};
 }
 
-const char* gain_name(const VehicleModel& first, std::size_t vehicles) {
+const char* name_of_gain(const VehicleModel& first, std::size_t vehicles) {
   if (vehicles > 1) return "|T^| of one pattern";
   if (first.radio() != nullptr) return "|Gamma|";
   return first.position().link.is_white_noise_only() ? "|T|" : "|T^|";
@@ -59,7 +59,7 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
   verdict.peak_frequency = least.frequency;
   verdict.undecided = true;
   verdict.reason = formatted(
-      "undecided: %s is 1 at %.6g rad/sample to the rounding of the model's coefficients, so that they do not determine whether it stays below 1",
+      "undecided: %s is 1 at %.6g rad/sample to the rounding of the model's numbers, so that they do not determine whether it stays below 1",
       name.c_str(), least.frequency);
   return false;
 }
@@ -82,7 +82,7 @@ bool judge_losses(double loss_gain, const Wording& words, StringStability& verdi
 
 /// Judges a mean square stable string.
 void judge(const LinkedPattern& pattern, double speed, StringStability& verdict) {
-  const std::string name = gain_name(pattern.types.front().vehicle(), pattern.size());
+  const std::string name = name_of_gain(pattern.types.front().vehicle(), pattern.size());
   const PatternGain gain = pattern.gain();
   if (!judge_gain(gain, name, verdict)) return;
   if (pattern.grows_at_zero(gain)) {
@@ -107,6 +107,11 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
 }
 
 }  // namespace
+
+std::string gain_name(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return name_of_gain(vehicles.front(), vehicles.size());
+}
 
 StringStability string_stability(const PlatoonModel& model) {
   const LinkedPattern pattern(model);

@@ -43,4 +43,8 @@ struct StringStability {
 /// Throws std::invalid_argument for a model without theory: see no_theory().
 StringStability string_stability(const PlatoonModel& model);
 
+/// What verdicts call the gain that must be below 1: |T|, |T^| over links with losses, delay or other noise, |Gamma|
+/// for a vehicle with radio, |T^| of one pattern for several vehicles.
+std::string gain_name(const PlatoonModel& model);
+
 }  // namespace platoon

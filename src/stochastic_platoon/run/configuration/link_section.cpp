@@ -30,7 +30,7 @@ TransferFunction read_noise_filter(Section& link) {
 
 std::vector<double> read_predictor(Section& section, InputSignal signal) {
   if (!section.is_list("on_loss")) {
-    std::vector<std::string> names{"hold", "extrapolate", "a list of coefficients of sum 1"};
+    std::vector<std::string> names{"hold", "extrapolate", "a list of weights of sum 1 for the last values used"};
     if (signal == InputSignal::input) names.insert(names.begin() + 2, "zero");
     const std::string name = section.choice("on_loss", names);
     if (name == "zero") return {};
@@ -39,12 +39,11 @@ std::vector<double> read_predictor(Section& section, InputSignal signal) {
   const Eigen::VectorXd c = section.numbers("on_loss");
   const double sum = c.sum(), size = c.cwiseAbs().sum();
   if (std::abs(sum - 1.0) > 1e-12 * size) {
-    section.reject("on_loss", formatted("coefficients of sum %g", sum),
+    section.reject("on_loss", formatted("weights of sum %g", sum),
                    "of sum 1, as a platoon moves: [1] holds, [2, -1] extrapolates");
   }
   if (static_cast<std::size_t>(c.size()) > kLongestPredictor) {
-    section.reject("on_loss", std::to_string(c.size()) + " coefficients",
-                   "at most " + std::to_string(kLongestPredictor));
+    section.reject("on_loss", std::to_string(c.size()) + " weights", "at most " + std::to_string(kLongestPredictor));
   }
   return {c.data(), c.data() + c.size()};
 }

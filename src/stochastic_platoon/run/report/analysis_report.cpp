@@ -29,6 +29,16 @@ std::string of_types(const PlatoonModel& model, const std::vector<std::string>& 
   return text;
 }
 
+std::string peak_line(const PlatoonModel& model, const StringStability& stability) {
+  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
+  return "Peak of " + gain_name(model) + ", the " + (loses ? "mean " : "") + "gain from " +
+         (pattern(model).size() > 1 ? "the position in front of the string's pattern to that of its last vehicle: "
+                                    : "a vehicle's position to its follower's: ") +
+         (std::isnan(stability.peak_gain)
+              ? "none, as the errors do not settle\n"
+              : formatted("%.9g at w = %.6g rad/sample\n", stability.peak_gain, stability.peak_frequency));
+}
+
 std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.headways) {
     const bool followed = !types_with_default(model, &Inherited::headway).empty();
@@ -92,10 +102,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
-  text += std::isnan(stability.peak_gain)
-              ? "peak of |T|: none, as the errors do not settle\n"
-              : formatted("peak of |%s| = %.9g at w = %.6g rad/sample\n", has_radios(model) ? "Gamma" : "T",
-                          stability.peak_gain, stability.peak_frequency);
+  text += peak_line(model, stability);
   text += report(model, analysis.robustness);
   text += headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
   const std::vector<double>& stationary = analysis.stationary_variance;
@@ -137,12 +144,12 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   text += warning_lines(analysis.warnings);
   if (analysis.rounding > 1e-9) {
     text += formatted(
-        "Warning: a run keeps a position of 1 m to %.1g m only, as the coefficients of A, B and C lose digits in double. The figures above do not lose them: they hold for the given, rounded numbers\n",
+        "Warning: a run keeps a position of 1 m to %.1g m only, as the closed loop's matrices A, B and C lose digits in double. The figures above do not lose them: they hold for the given, rounded numbers\n",
         analysis.rounding);
   }
   if (analysis.integral_defect > 1e-9) {
     text += formatted(
-        "Warning: A, B and C have T(1) = 1 and dT/dz(1) = -h to %.1g only, which does not determine a verdict so near to its border, nor the limit to more digits\n",
+        "Warning: the closed loop's matrices A, B and C have T(1) = 1 and dT/dz(1) = -h to %.1g only, which does not determine a verdict so near to its border, nor the limit to more digits\n",
         analysis.integral_defect);
   }
   return text;

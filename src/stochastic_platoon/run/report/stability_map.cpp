@@ -129,7 +129,7 @@ std::string report(const std::vector<MapPoint>& points) {
   if (points.empty()) return "";
   const bool lossy = points.front().loss.has_value(), in_bursts = points.front().burst.has_value();
   std::string text = std::string("\n   headway        gain") + (lossy ? "        loss" : "") +
-                     (in_bursts ? "  mean burst" : "") + "      rho(A)    peak |T|" + (lossy ? "   loss gain" : "") +
+                     (in_bursts ? "  mean burst" : "") + "      rho(A)   peak gain" + (lossy ? "   loss gain" : "") +
                      "   string stable\n";
   const auto column = [](double value) {
     return std::isnan(value) ? std::string("           -") : formatted(" %11.9g", value);

@@ -141,35 +141,37 @@ TEST(ModelFileErrors, NameAnInvalidChannel) {
   struct Case {
     const char *channel, *problem;
   };
-  for (const auto& [channel, problem] : {
-           Case{"loss: {probability: 1.0}", "loss/probability: 1.0: must be a number from 0 to below 1"},
-           Case{"loss: {probability: -0.1}", "loss/probability: -0.1: must be a number from 0 to below 1"},
-           Case{"loss: {on_loss: hold}", "loss/probability: missing: must be a number from 0 to below 1"},
-           Case{"loss: {probability: 0.9, mean_burst: 8}",
-                "loss/mean_burst: 8: must be at least 9, the larger of 1 and q / (1 - q) for q = 0.9: no chain has "
-                "shorter bursts; independent losses have 1 / (1 - q) = 10"},
-           Case{"loss: {probability: 0.2, mean_burst: 0.9}", "loss/mean_burst: 0.9: must be at least 1"},
-           Case{"loss: {markov: {transition: [[0.9, 0.2], [0.3, 0.7]], probability: [0.0, 0.5]}}",
-                "loss/markov/transition: row 1: a sum of 1.1: must be 1"},
-           Case{"loss: {probability: 0.1, markov: {transition: [[1.0]], probability: [0.5]}}",
-                "loss/probability: given: must be absent beside markov"},
-           Case{"loss: {markov: {transition: [[1.0]]}}", "loss/markov/probability: missing"},
-           Case{"loss: {markov: 3}", "loss/markov: 3: must be a mapping of keys"},
-           Case{"loss: {probability: 0.2, mean_burst: 1.1e6}",
-                "loss/mean_burst: 1.1e+06: must be at most 1000000 steps"},
-           Case{"noise_filter: {numerator: [1, 0, 0], denominator: [1, 0.5]}",
-                "noise_filter: more zeros than poles: must be proper: no more zeros than poles"},
-           Case{"noise_filter: {numerator: [1], denominator: [1, -1]}",
-                "noise_filter: a pole of modulus 1: must be stable: poles inside the unit circle"},
-           Case{"delay: -1", "delay: -1: must be a whole number from 0 to 10000"},
-           Case{"quantisation_step: -1", "quantisation_step: -1: must be a finite number >= 0"},
-           Case{"loss: {probability: 0.1, on_loss: [1, 0.5]}",
-                "loss/on_loss: coefficients of sum 1.5: must be of sum 1, as a platoon moves: [1] holds, [2, -1] "
-                "extrapolates"},
-           Case{"loss: {probability: 0.1, on_loss: stop}",
-                "loss/on_loss: stop: must be hold or extrapolate or a list of coefficients of sum 1"},
-           Case{"jitter: 1", "jitter: unknown key: allowed are delay, loss, noise_filter, quantisation_step"},
-       }) {
+  for (
+      const auto& [channel, problem] : {
+          Case{"loss: {probability: 1.0}", "loss/probability: 1.0: must be a number from 0 to below 1"},
+          Case{"loss: {probability: -0.1}", "loss/probability: -0.1: must be a number from 0 to below 1"},
+          Case{"loss: {on_loss: hold}", "loss/probability: missing: must be a number from 0 to below 1"},
+          Case{"loss: {probability: 0.9, mean_burst: 8}",
+               "loss/mean_burst: 8: must be at least 9, the larger of 1 and q / (1 - q) for q = 0.9: no chain has "
+               "shorter bursts; independent losses have 1 / (1 - q) = 10"},
+          Case{"loss: {probability: 0.2, mean_burst: 0.9}", "loss/mean_burst: 0.9: must be at least 1"},
+          Case{"loss: {markov: {transition: [[0.9, 0.2], [0.3, 0.7]], probability: [0.0, 0.5]}}",
+               "loss/markov/transition: row 1: a sum of 1.1: must be 1"},
+          Case{"loss: {probability: 0.1, markov: {transition: [[1.0]], probability: [0.5]}}",
+               "loss/probability: given: must be absent beside markov"},
+          Case{"loss: {markov: {transition: [[1.0]]}}", "loss/markov/probability: missing"},
+          Case{"loss: {markov: 3}", "loss/markov: 3: must be a mapping of keys"},
+          Case{"loss: {probability: 0.2, mean_burst: 1.1e6}",
+               "loss/mean_burst: 1.1e+06: must be at most 1000000 steps"},
+          Case{"noise_filter: {numerator: [1, 0, 0], denominator: [1, 0.5]}",
+               "noise_filter: more zeros than poles: must be proper: no more zeros than poles"},
+          Case{"noise_filter: {numerator: [1], denominator: [1, -1]}",
+               "noise_filter: a pole of modulus 1: must be stable: poles inside the unit circle"},
+          Case{"delay: -1", "delay: -1: must be a whole number from 0 to 10000"},
+          Case{"quantisation_step: -1", "quantisation_step: -1: must be a finite number >= 0"},
+          Case{"loss: {probability: 0.1, on_loss: [1, 0.5]}",
+               "loss/on_loss: weights of sum 1.5: must be of sum 1, as a platoon moves: [1] holds, [2, -1] "
+               "extrapolates"},
+          Case{
+              "loss: {probability: 0.1, on_loss: stop}",
+              "loss/on_loss: stop: must be hold or extrapolate or a list of weights of sum 1 for the last values used"},
+          Case{"jitter: 1", "jitter: unknown key: allowed are delay, loss, noise_filter, quantisation_step"},
+      }) {
     EXPECT_TRUE(
         is_problem(problems_in(kModelText + "channel: {" + channel + "}\n"), std::string("channel/") + problem));
   }
