@@ -22,6 +22,7 @@
 #include "stochastic_platoon/run/configuration/launch_arguments.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
@@ -91,6 +92,25 @@ void require_free_recording(const platoon::RunOptions& run) {
           {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});
     }
   }
+}
+
+// Throws ConfigurationError unless `first` and `last` name vehicles of a string of `most`: at least one for followers
+// that outlive launches, while a platoon may leave all its followers to them.
+void require_range(const platoon::CommandLine& line, std::int64_t most, bool kept) {
+  std::vector<std::string> problems;
+  const auto vehicle = [&](const char* key, std::int64_t least, std::int64_t greatest) {
+    try {
+      return platoon::integer_of(key, line[key], least, greatest);
+    } catch (const platoon::ConfigurationError& error) {
+      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
+      return std::int64_t{1};
+    }
+  };
+  if (line.has("first") && line.has("last")) {
+    const std::int64_t first = vehicle("first", 1, kept ? most : most + 1);
+    vehicle("last", kept ? first : 0, most);
+  }
+  if (!problems.empty()) throw platoon::ConfigurationError(problems);
 }
 
 // Throws ConfigurationError if a platoon runs in the namespace already, or a vehicle that this launch would start.
@@ -186,6 +206,7 @@ int main(int argc, char** argv) {
          "of a replay, which needs --bag: what the recording drives, leader or a vehicle as vehicle_3; empty: the monitor"},
         {"first", "first vehicle that the launch starts"},
         {"last", "last vehicle that the launch starts"},
+        {"kept", "true: check `first` and `last` of followers.launch, and nothing else"},
         {"own", "renamed: external (rejected when given)"},
         {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
         {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
@@ -194,6 +215,10 @@ int main(int argc, char** argv) {
     if (line["quote_in_path"] == "true") {
       throw platoon::ConfigurationError(
           {"model, output, record, bag: a path with a quote ('): must be without, as a launch file cannot pass it on (a symbolic link can give it another name)"});
+    }
+    if (line["kept"] == "true") {
+      require_range(line, platoon::kMaxFollowers, true);
+      return 0;
     }
     if (!line["own"].empty())
       throw platoon::ConfigurationError(
@@ -218,6 +243,7 @@ int main(int argc, char** argv) {
       configuration.model.recorded_leader = platoon::recorded_leader(bags, configuration.run.steps);
       configuration = platoon::parse_configuration(platoon::to_json(configuration).dump());
     }
+    require_range(line, static_cast<std::int64_t>(configuration.run.followers), false);
     require_free_namespace(line, configuration.run);
     require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);

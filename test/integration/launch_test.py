@@ -37,6 +37,15 @@ class BadInput(LaunchTest):
         self.rejected("bag: missing: must be a recording to replay", file="replay.launch", drive="leader")
         self.rejected("arg 'first' is not defined", file="followers.launch", output=None)
 
+    def test_vehicles_that_a_launch_cannot_start_are_named_once(self):
+        text = self.rejected("first: abc: must be a whole number from 1", "last: 0x10: must be a whole number from 1", file="followers.launch",
+                             output=None, first="abc", last="0x10")
+        self.assertEqual(text.count("abc: must be"), 1)
+        self.assertNotIn("invalid literal", text)
+        self.rejected("last: 3: must be a whole number from 4 to 1000000", file="followers.launch", output=None, first=4, last=3)
+        self.rejected("first: 0: must be a whole number from 1 to 1000000", file="followers.launch", output=None, first=0, last=3)
+        self.rejected("first: abc: must be a whole number from 1 to 21", "last: 30: must be a whole number from 0 to 20", first="abc", last=30)
+
     def test_a_replay_of_a_vehicle_that_is_not_recorded_is_rejected(self):
         small = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data", "small.bag")
         for drive in ("vehicle_33", "vehicle_0", "vehicle_x", "follower"):

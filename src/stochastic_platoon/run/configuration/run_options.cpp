@@ -15,7 +15,6 @@
 namespace platoon {
 
 namespace {
-constexpr std::int64_t kMaxFollowers = 1000000;
 // Limit of the noise counter for realizations and steps.
 constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
 

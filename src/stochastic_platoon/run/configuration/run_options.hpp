@@ -10,6 +10,9 @@
 
 namespace platoon {
 
+/// The largest number of followers.
+inline constexpr std::int64_t kMaxFollowers = 1000000;
+
 /// The place where the vehicles of a run are computed. Launch files accept the first two.
 enum class Hosting { processes, one_process, monte_carlo, bag };
 

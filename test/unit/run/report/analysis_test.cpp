@@ -87,7 +87,7 @@ TEST(Analysis, WarnsIfTheCoefficientsAreTooCoarse) {
   const StateSpace exact = model.default_vehicle().loop.realization;
   model.default_vehicle().design.reset();
   model.default_vehicle().loop = closed_loop_from(exact);
-  const std::string warning = "Warning: A, B and C have T(1) = 1";
+  const std::string warning = "Warning: the closed loop's matrices A, B and C have T(1) = 1";
   EXPECT_FALSE(contains(Analyzed(model, 2, 10).text(), warning));
   EXPECT_TRUE(contains(Analyzed(model, 2, 10).text(), "of one follower sqrt(sum of mean(k)^2)"));
   model.default_vehicle().loop = closed_loop_from(StateSpace(exact.a(), exact.b() * (1.0 + 1e-6), exact.c()));
