@@ -21,7 +21,8 @@ struct LinkEnds {
   const double* own = nullptr;          ///< y_i(k-1)
 };
 
-/// The link of an input of vehicle i, which transmits the positions y(k) of its predecessor, or v(k) = u(k-1):
+/// The link of an input of vehicle i, which transmits a signal of its source, positions y(k) or v(k) = u(k-1) (see
+/// Input). The inputs of a packet share the draws of the losses.
 ///
 ///     quantise -> + noise -> delay -> loss
 ///

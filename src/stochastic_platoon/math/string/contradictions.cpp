@@ -71,8 +71,9 @@ std::vector<std::string> contradictions(const PlatoonModel& model, const TheoryF
   std::vector<std::string> found;
   for (const std::optional<std::string>& contradiction :
        {between_table_and_stationary_value(model, figures),
-        along_the_string(figures.stationary_variance, type_order(model).size()),
-        beside_limit(figures.stability, figures.stationary_variance)}) {
+        hears_predecessors_only(model) ? along_the_string(figures.stationary_variance, type_order(model).size())
+                                       : std::nullopt,
+        hears_predecessors_only(model) ? beside_limit(figures.stability, figures.stationary_variance) : std::nullopt}) {
     if (contradiction) found.push_back(*contradiction);
   }
   return found;

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/topology/hearing_moments.hpp"
 
 namespace platoon {
 
@@ -141,6 +142,11 @@ std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for signal_moments()");
+  if (!hears_predecessors_only(model)) {
+    std::vector<SignalMoments> all = hearing_moments(model, names, followers, steps);
+    all.erase(all.begin());
+    return all;
+  }
   for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
   const bool moves = start_slope(model) != 0.0, has_input = std::count(names.begin(), names.end(), kInput) > 0;
   PlatoonModel computed = moves ? in_moving_frame(model) : model;

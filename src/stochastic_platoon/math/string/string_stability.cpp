@@ -7,6 +7,7 @@
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/topology/hearing_string.hpp"
 
 namespace platoon {
 
@@ -109,6 +110,7 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
 }  // namespace
 
 StringStability string_stability(const PlatoonModel& model) {
+  if (!hears_predecessors_only(model)) return hearing_stability(model);
   const LinkedPattern pattern(model);
   StringStability verdict;
   verdict.spectral_radius = pattern.spectral_radius();

@@ -1,0 +1,297 @@
+#include "stochastic_platoon/math/topology/hearing_string.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/loss_chain.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/topology/hearing_gain.hpp"
+#include "stochastic_platoon/math/topology/hearing_loop.hpp"
+#include "stochastic_platoon/math/topology/hearing_spectra.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Window = HearingSpectra::Window;
+
+void require_theory(const PlatoonModel& model) {
+  if (const std::optional<std::string> reason = no_theory(model))
+    throw std::invalid_argument("no theory, as " + *reason);
+}
+
+double spectral_radius_of(const PlatoonModel& model) {
+  double largest = 0.0;
+  const std::size_t last = farthest_ahead(model) + type_order(model).size();
+  for (std::size_t i = 1; i <= last; ++i)
+    largest = std::max(largest, HearingLoop(vehicle(model, i), i, model.sample_period).spectral_radius());
+  return largest;
+}
+
+double growth_of_predictions(const PlatoonModel& model) {
+  double largest = 0.0;
+  for (const VehicleModel& of : pattern(model)) {
+    for (const Input& input : of.inputs) {
+      if (input.link.loses()) largest = std::max(largest, second_moment_radius(*input.link.loss));
+    }
+  }
+  return largest;
+}
+
+bool is_mean_square_stable(const PlatoonModel& model) {
+  return spectral_radius_of(model) < 1.0 && growth_of_predictions(model) < 1.0;
+}
+
+/// values(spectra), with the number of frequencies doubled until they settle.
+std::vector<double> settled(const PlatoonModel& model,
+                            const std::function<std::vector<double>(const HearingSpectra&)>& values) {
+  constexpr std::size_t kFewest = 512, kMost = std::size_t{1} << 18;
+  constexpr double kSettled = 1e-9;  // of values whose error falls geometrically
+  std::vector<double> coarse;
+  for (std::size_t n = kFewest;; n *= 2) {
+    std::vector<double> fine = values(HearingSpectra(model, n));
+    if (!coarse.empty() && largest_change(coarse, fine) <= kSettled) return fine;
+    if (n >= kMost) throw std::invalid_argument("the spectra of the string are too narrow to integrate");
+    coarse.swap(fine);
+  }
+}
+
+using Matrix = std::vector<std::vector<Eigen::ArrayXcd>>;  // entries per frequency
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  const std::size_t r = a.size();
+  Matrix c(r, std::vector<Eigen::ArrayXcd>(r, Eigen::ArrayXcd::Zero(a[0][0].size())));
+  for (std::size_t i = 0; i < r; ++i) {
+    for (std::size_t j = 0; j < r; ++j) {
+      for (std::size_t l = 0; l < r; ++l) c[i][j] += a[i][l] * b[l][j];
+    }
+  }
+  return c;
+}
+
+Matrix adjoint(const Matrix& a) {
+  Matrix c = a;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < a.size(); ++j) c[i][j] = a[j][i].conjugate();
+  }
+  return c;
+}
+
+void add_to(Matrix& sum, const Matrix& a) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < a.size(); ++j) sum[i][j] += a[i][j];
+  }
+}
+
+double size_of(const Matrix& a) {
+  double largest = 0.0;
+  for (const auto& row : a) {
+    for (const Eigen::ArrayXcd& entry : row) largest = std::max(largest, entry.abs().maxCoeff());
+  }
+  return largest;
+}
+
+/// An endless string in which place p of the pattern adds a given spectrum.
+class EndlessString {
+public:
+  explicit EndlessString(const HearingSpectra& spectra, std::size_t period)
+      : spectra_(spectra), period_(period), first_(spectra.reach() + 1) {
+    // Whole patterns later, so that first_ begins one.
+    while ((first_ - 1) % period_ != 0) ++first_;
+    const Window nothing = spectra.nothing();
+    product_ = nothing;
+    for (std::size_t j = 0; j < product_.size(); ++j) product_[j][j].setOnes();
+    for (std::size_t p = 0; p < period_; ++p) {
+      Matrix companion = nothing;
+      companion[0] = spectra.transfers(first_ + p);
+      for (std::size_t j = 1; j < companion.size(); ++j) companion[j][j - 1].setOnes();
+      product_ = product(companion, product_);
+    }
+  }
+
+  /// The window in front of the first place: X = M X M* + Q, by doubling.
+  Window in_front(const std::vector<Eigen::ArrayXd>& added) const {
+    Window once = spectra_.nothing();
+    for (std::size_t p = 0; p < period_; ++p) spectra_.advance(first_ + p, added[p], once);
+    Matrix power = product_;
+    for (int doubling = 0; doubling < 60 && size_of(power) > 1e-20; ++doubling) {
+      check_interruption();
+      add_to(once, product(product(power, once), adjoint(power)));
+      power = product(power, power);
+    }
+    return once;
+  }
+
+  /// The variances at the places, and the spectra that each adds behind this window.
+  std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added,
+                           std::vector<Eigen::ArrayXd>& next) const {
+    std::vector<double> variances;
+    for (std::size_t p = 0; p < period_; ++p) {
+      next[p] = spectra_.added(first_ + p, window);
+      variances.push_back(spectra_.advance(first_ + p, added[p], window));
+    }
+    return variances;
+  }
+
+  std::vector<Eigen::ArrayXd> of_noise() const {
+    std::vector<Eigen::ArrayXd> added;
+    for (std::size_t p = 0; p < period_; ++p) added.push_back(spectra_.added(first_ + p, spectra_.nothing()));
+    return added;
+  }
+
+private:
+  const HearingSpectra& spectra_;
+  std::size_t period_, first_;
+  Matrix product_;
+};
+
+struct Limit {
+  std::vector<double> variances;
+  double loss_gain = 0.0;
+};
+
+/// The variances that settle along an endless string; the loss gain is the factor by which what losses add grows from
+/// one round of the string to the next.
+Limit limit_of(const HearingSpectra& spectra, std::size_t period, bool loses) {
+  constexpr int kMostRounds = 400;
+  const EndlessString string(spectra, period);
+  std::vector<Eigen::ArrayXd> added = string.of_noise(), next = added;
+  Limit limit;
+  double before = 0.0, change = 0.0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<double> variances = string.pass(string.in_front(added), added, next);
+    if (!loses) return {variances, 0.0};
+    double largest = 0.0;
+    change = 0.0;
+    for (std::size_t p = 0; p < period; ++p) {
+      change = std::max(change, (next[p] - added[p]).abs().maxCoeff());
+      largest = std::max(largest, next[p].maxCoeff());
+    }
+    if (round > 0 && before > 0.0) limit.loss_gain = change / before;
+    limit.variances = variances;
+    added = next;
+    if (change <= 1e-14 * largest || !std::isfinite(change) || (round > 30 && limit.loss_gain > 1.0)) break;
+    before = change;
+  }
+  return limit;
+}
+
+// Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.
+constexpr double kDoubt = 1e-9;
+
+void judge(const PlatoonModel& model, StringStability& verdict) {
+  const HearingGain gain(model);
+  const HearingGain::Peak peak = gain.peak();
+  const std::string name = farthest_ahead(model) == 1 && is_homogeneous(model)
+                               ? "|T|"
+                               : "the spectral radius of the string's companion matrix";
+  constexpr double kLow = 1e-3;
+  const double at_low = gain(kLow), at_zero = gain(1e-5);
+  verdict.peak_gain = peak.gain > 1.0 + kDoubt ? peak.gain : std::max(at_zero, std::min(peak.gain, 1.0));
+  verdict.peak_frequency = peak.gain > 1.0 + kDoubt        ? peak.frequency
+                           : at_zero >= peak.gain - kDoubt ? 0.0
+                                                           : peak.frequency;
+  verdict.mean_bounded = peak.gain <= 1.0 + kDoubt;
+  if (peak.gain > 1.0 + kDoubt) {
+    verdict.reason = formatted("not string stable: %s has a peak of %.9g at w = %.6g rad/sample", name.c_str(),
+                               peak.gain, peak.frequency);
+    return;
+  }
+  if (!(1.0 - at_low > kDoubt * kLow)) {
+    verdict.undecided = true;
+    verdict.reason = "undecided: " + name + " is 1 to the digits of the model near w = 0";
+    return;
+  }
+  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
+  const std::size_t period = type_order(model).size();
+  double loss_gain = 0.0;
+  const std::vector<double> limits = settled(model, [&](const HearingSpectra& spectra) {
+    const Limit limit = limit_of(spectra, period, loses);
+    loss_gain = limit.loss_gain;
+    return limit.variances;
+  });
+  if (loses) verdict.loss_gain = loss_gain;
+  if (loss_gain >= 1.0) {
+    verdict.reason = formatted(
+        "not string stable: the loss gain is %.6g, not below 1: the variance that losses add grows along the string",
+        loss_gain);
+    return;
+  }
+  verdict.string_stable = true;
+  verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
+  verdict.reason = formatted("string stable: rho(A) = %.9g is below 1 and %s is below 1 for all w > 0",
+                             verdict.spectral_radius, name.c_str());
+  if (loses) verdict.reason += formatted(", and the loss gain is %.6g, below 1", loss_gain);
+}
+
+}  // namespace
+
+std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t followers) {
+  require_theory(model);
+  if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
+  return settled(model, [followers](const HearingSpectra& spectra) {
+    Window window = spectra.nothing();
+    std::vector<double> variances;
+    for (std::size_t i = 1; i <= followers; ++i) {
+      const double variance = spectra.advance(i, spectra.added(i, window), window);
+      variances.push_back(std::isfinite(variance) ? variance : kInfinity);
+    }
+    return variances;
+  });
+}
+
+std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {
+  require_theory(model);
+  const double speed = metres_per_step(model);
+  std::vector<double> places{0.0}, means;
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const VehicleModel& own = vehicle(model, i);
+    const ExactTransfer& controller = own.design->controller.exact();
+    const double at_rest =
+        controller.denominator.front() == 0
+            ? 0.0
+            : Exact(controller.denominator.front() / controller.numerator.front()).convert_to<double>();
+    double place = -spacing_in_vehicles(own, i) * (speed * own.headway + own.standstill_distance);
+    for (const Input& input : own.inputs) {
+      const bool loses = input.link.loses();
+      if (input.signal == InputSignal::position) {
+        const double lag = static_cast<double>(input.link.delay) + (loses ? LossFilter(*input.link.loss).lag() : 0.0);
+        place += input.gain * (places[source_of(input, i)] - speed * lag);
+      } else if (input.signal == InputSignal::speed && loses && input.link.loss->predictor.empty()) {
+        place -= at_rest * input.gain * input.link.loss->probability * speed / model.sample_period;
+      }
+    }
+    means.push_back(is_mean_square_stable(model) ? places.back() - place - speed * own.headway - own.standstill_distance
+                                                 : kNaN);
+    places.push_back(place);
+  }
+  return means;
+}
+
+StringStability hearing_stability(const PlatoonModel& model) {
+  require_theory(model);
+  StringStability verdict;
+  verdict.spectral_radius = spectral_radius_of(model);
+  const double growth = growth_of_predictions(model);
+  verdict.mean_square_stable = verdict.spectral_radius < 1.0 && growth < 1.0;
+  if (verdict.mean_square_stable) {
+    judge(model, verdict);
+  } else if (verdict.spectral_radius >= 1.0) {
+    verdict.reason = formatted("not mean square stable: rho(A) = %.9g is not below 1", verdict.spectral_radius);
+  } else {
+    verdict.reason = formatted(
+        "not mean square stable: the second moments of predictions from predictions grow by %.9g a step, which is not below 1",
+        growth);
+  }
+  return verdict;
+}
+
+}  // namespace platoon
