@@ -95,6 +95,36 @@ class States(Fed):
         self.drive(range(0, 1), mean=[math.nan] * 500, variance=[math.nan] * 500)
         self.text_comes("#string-note", "theory; burn-in until step 200, 20 s of driving from now")
 
+    def check_provisional(self, followers):
+        pale = "document.querySelectorAll('#string rect.provisional').length"
+        self.begin(followers)
+        nothing = [math.nan] * followers
+        early = [2.0 + math.sin(i) for i in range(followers)]
+        self.drive(range(0, 100), mean=nothing, variance=nothing, standard_error=nothing, variance_score=nothing, provisional_mean=[0.1] * followers, provisional_variance=early)
+        self.open()
+        self.wait_for_page("{} == {}".format(pale, followers), "pale bars")
+        self.browser.run("document.getElementById('table-card').open = true")
+        for _ in self.at_both_sizes("provisional-{}".format(followers)):
+            self.text_comes("#string-note", "provisional averages up to step 90 (9 s): burn-in until step 200, 11 s of driving from now")
+            self.text_comes("#curves-note", "provisional averages up to k")
+            self.text_comes("#string-key", "provisional, until the burn-in is over")
+            self.text_comes("#table tbody tr:nth-child(2) td:nth-child(3)", "~ 2.84147")
+            self.assertEqual(self.browser.run("return ['string-key', 'curves-key'].map(key => document.getElementById(key).hidden)"), [False, False])
+            self.assertGreater(self.browser.run("return document.querySelector('#string rect').getBoundingClientRect().height"), 3)
+        self.browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true}))")
+        self.text_comes("#readout", "Follower 1: provisional variance 2 m")
+        self.drive(range(BURN_IN, BURN_IN + 11))
+        self.wait_for_page(pale + " == 0", "full bars")
+        self.text_comes("#string-note", "averages over time up to step 210")
+        self.assertEqual(self.browser.run("return ['string-key', 'curves-key'].map(key => document.getElementById(key).hidden)"), [True, True])
+        self.assertNotIn("~", self.browser.text("#table"))
+
+    def test_averages_are_provisional_and_pale_until_the_burn_in_is_over(self):
+        self.check_provisional(5)
+
+    def test_provisional_averages_of_100_followers(self):
+        self.check_provisional(100)
+
     def test_a_restart_is_an_event_and_a_mark_and_curves_begin_again(self):
         self.begin(20)
         self.drive(range(BURN_IN, BURN_IN + 150))

@@ -9,7 +9,7 @@ import unittest
 import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
-from watching_messages import NAN, configuration, endless, message, overview, snapshot, table_of  # noqa: E402
+from watching_messages import NAN, burning_in, configuration, endless, message, overview, snapshot, table_of  # noqa: E402
 from watching import conduct, description, state, table  # noqa: E402
 
 
@@ -95,6 +95,20 @@ class State(unittest.TestCase):
         curves = self.state.give("curves")
         for name in ("mean", "variance", "theoretical_mean", "theoretical_variance"):
             self.assertEqual(curves[name], [[], [], []], name)
+
+    def test_averages_are_provisional_until_the_burn_in_is_over(self):
+        self.state.take_configuration(configuration(3, 0))
+        for step in (10, 20):
+            self.state.take_overview(burning_in(3, step), 0.0)
+        document = json.loads(json.dumps(self.state.document(), allow_nan=False))
+        self.assertEqual((document["step"], document["mean"], document["variance"]), (None, [None] * 3, [None] * 3))
+        self.assertEqual(document["provisional"], {"step": 20, "mean": [0.0, 0.01, 0.02], "variance": [3.0, 4.0, 5.0]})
+        curves = self.state.give("curves")
+        self.assertEqual((curves["provisional"], curves["step"], curves["variance"][2]), (True, [10, 20], [5.0, 5.0]))
+        self.state.take_overview(endless(3, 200, counted_from=200), 0.0)
+        self.assertIsNone(self.state.document()["provisional"])
+        curves = self.state.give("curves")
+        self.assertEqual((curves["provisional"], curves["step"], curves["variance"][2]), (False, [200], [30.0]))
 
     def test_missing_figures_are_null(self):
         self.state.take_overview(endless(3, 7), 0.0)
@@ -270,6 +284,16 @@ class Table(unittest.TestCase):
         self.assertIn("h = 3.2 (0.32 s)", first)
         self.assertIn("step 3 (0.3 s), 100 of 1000 realizations", second)
         self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(table_of(3, 50, time_average=True)))
+
+    def test_marks_provisional_averages(self):
+        known = state.PlatoonState()
+        known.take_configuration(configuration(3, 0))
+        known.take_overview(burning_in(3, 20), 0.0)
+        lines = table.table(known.document(), 50)
+        self.assertEqual(lines[-1].split()[:3], ["3", "~0.02", "~5"])
+        self.assertIn("~ provisional averages up to step 20 (2 s), replaced when the burn-in is over: at the earliest at step 200 (20 s)", " ".join(lines))
+        known.take_overview(endless(3, 200, counted_from=200), 0.0)
+        self.assertNotIn("~", " ".join(table.table(known.document(), 50)))
 
     def test_shows_both_ends_of_a_long_string_within_the_lines(self):
         lines = table_of(500, 24)

@@ -1,4 +1,5 @@
-// Mean and variance over k: measured curves broad and coloured, theory thin on top, as in the paper's figure.
+// Mean and variance over k: measured curves broad and coloured, theory thin on top, as in the paper's figure. Provisional curves are pale
+// and dashed.
 import { css, followerColour } from "./colours.js";
 import { canvasOf, label, LEFT, niceTicks, short, spread, verticalScale } from "./scale.js";
 
@@ -36,7 +37,7 @@ export function drawCurves(canvas, of, name, n, chosen, last) {
     context.stroke();
     label(context, short(t), LEFT - 7, y(t) + 4, "right");
   }
-  label(context, name === "mean" ? "mean, m" : `variance, m²${logarithmic ? ", logarithmic" : ""}`, LEFT + 4, 11, "left");
+  label(context, (name === "mean" ? "mean, m" : `variance, m²${logarithmic ? ", logarithmic" : ""}`) + (of.provisional ? ", provisional" : ""), LEFT + 4, 11, "left");
   context.strokeStyle = css("--soft");
   context.strokeRect(LEFT, foot, right - LEFT, 0);
   if (last) {
@@ -47,10 +48,12 @@ export function drawCurves(canvas, of, name, n, chosen, last) {
   context.lineJoin = "round";
   of.followers.forEach((i, row) => {
     context.strokeStyle = followerColour(i, n);
-    context.globalAlpha = chosen && chosen !== i ? 0.25 : 0.8;
+    context.globalAlpha = (chosen && chosen !== i ? 0.25 : 0.8) * (of.provisional ? 0.5 : 1);
+    context.setLineDash(of.provisional ? [5, 4] : []);
     context.lineWidth = chosen === i ? 3.4 : 2.2;
     line(context, xs, measured[row], y);
   });
+  context.setLineDash([]);
   context.strokeStyle = css("--ink");
   of.followers.forEach((i, row) => {
     context.globalAlpha = chosen && chosen !== i ? 0.1 : 0.85;
