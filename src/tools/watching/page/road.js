@@ -6,6 +6,7 @@ import { canvasOf, label, niceTicks, short } from "./scale.js";
 const LEAST_GAP = 5.0;  // [m]
 const LENGTH = 4.2;     // [m] length of a drawn vehicle if those of the model are points
 const WIDTH = 1.6;
+const FINGER = 24;      // [px]
 const FOOT = 22;        // [px] below the lanes, for the scale
 
 // A gap that four of five are below: behind a leader that stops, cars stand close ahead of others that still drive. Unstable motion
@@ -105,7 +106,20 @@ export class Road {
       (over.length ? `; ${over.length} overlapping: ${over.slice(0, 8).join(", ")}${over.length > 8 ? ", …" : ""}` : "");
   }
 
-  draw(now, n, chosen) {
+  // The vehicle nearest to a click, within a finger's width in its lane; null without one.
+  vehicleAt(event) {
+    if (!this.present || !this.places) return null;
+    const box = this.canvas.getBoundingClientRect(), x = event.clientX - box.left, row = Math.floor((event.clientY - box.top) / this.places.lane);
+    let nearest = null, least = FINGER;
+    this.places.of.forEach((place, i) => {
+      if (place.row !== row || !(Math.abs(place.x - x) < least)) return;
+      nearest = i;
+      least = Math.abs(place.x - x);
+    });
+    return nearest;
+  }
+
+  draw(now, n, chosen, picks) {
     if (!this.present) return canvasOf(this.canvas);
     const { context, width, height } = canvasOf(this.canvas), { across, count, lane, speeds } = this.lanes(n, width);
     const position = this.positions(now);
@@ -119,11 +133,13 @@ export class Road {
       const row = Math.floor(i / across), x = this.x[row] + (position[i] - position[0]) * metre, middle = row * lane + lane * (speeds ? 0.24 : 0.36);
       const long = longOf(i), broad = Math.min(lane * (speeds ? 0.3 : 0.34), Math.max(0.6 * Math.min(long, LENGTH * metre), 4));
       if (x < -long || x > width + long) continue;
-      this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i);
+      this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i ? 2.5 : picks.includes(i) ? 1.2 : 0);
       if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre, longOf(i - 1));
       if (speeds && this.present.speed[i] !== undefined)
         label(context, this.present.speed[i].toFixed(1), x - long / 2, row * lane + lane * 0.84, "center", { font: "11px" });
     }
+    this.places = { across, lane, of: position.map((p, i) => ({ row: Math.floor(i / across), x: this.x[Math.floor(i / across)] + (p - position[0]) * metre - longOf(i) / 2 })) };
+    this.canvas.dataset.places = JSON.stringify(this.places.of.map(({ row, x }) => [Math.round(x), Math.round((row + 0.4) * lane)]));
     this.drawReceived(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
     this.drawScale(context, height, width, metre);
     Object.assign(this.canvas.dataset, { metre, overlaps: [...over].join(), speeds });
@@ -143,7 +159,7 @@ export class Road {
     for (let x = start; x < width && period > 6; x += period) context.fillRect(x, top + (lane - 5) - 2, period * 0.5, 2);
   }
 
-  drawVehicle(context, x, middle, long, broad, i, n, chosen) {
+  drawVehicle(context, x, middle, long, broad, i, n, frame) {
     context.fillStyle = i === 0 ? css("--soft") : followerColour(i, n);
     context.beginPath();
     context.roundRect(x - long, middle - broad / 2, long, broad, Math.min(broad / 3, 5));
@@ -152,9 +168,9 @@ export class Road {
       context.fillStyle = css("--glass");
       context.fillRect(x - long * 0.36, middle - broad * 0.34, long * 0.13, broad * 0.68);
     }
-    if (chosen) {
+    if (frame) {
       context.strokeStyle = css("--ink");
-      context.lineWidth = 2.5;
+      context.lineWidth = frame;
       context.stroke();
     }
     if (broad > 15 && long > 20) {

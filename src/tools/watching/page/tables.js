@@ -1,3 +1,5 @@
+import { QUANTITIES } from "./motion.js";
+
 // The data of each chart as a table: heading and rows, named as in statistics.csv; null without data.
 
 export const TABLES = {
@@ -20,6 +22,10 @@ export const TABLES = {
     const of = road.present, offsets = road.offsets();
     return of && ["vehicle,realization,step,position,speed,told_to_follower", of.position.map((position, i) =>
       [i, of.realization, of.step, position, of.speed[i], offsets[i] === undefined ? null : position + offsets[i]])];
+  },
+  motion(known, road, strip, motion) {
+    return motion.columns.length ? ["vehicle,realization,step,seconds,gap,speed,acceleration", motion.picks.flatMap(i => motion.columns.map(column =>
+      [i, column.realization, column.step, Number((column.step * motion.period).toPrecision(12)), ...QUANTITIES.map(({ name }) => motion.value(name, i, column))]))] : null;
   },
   strip(known, road, strip) {
     return strip.columns.length ? ["vehicle,realization,step,tracking_error", strip.columns.flatMap(of => of.tracking_error.map((error, row) =>
