@@ -37,7 +37,7 @@ const values = () => Array.from({length: followers}, () => 2 + Math.random());
 let step = first;
 function frame() {
   for (let j = 0; j < 600 && step < first + snapshots; ++j, ++step) {
-    tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5), speed: [20, ...values()]});
+    tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5), speed: [20, ...values()], acceleration: []});
     tell("received", {realization: 0, step, position: values().map((v, i) => 2 * step - 6 * i - v)});
     if (step % 20) continue;
     const [v, t] = [values(), values()];

@@ -8,7 +8,7 @@ import unittest
 import stochastic_platoon as sp
 
 import live_platoon
-from page_feed import BURN_IN, Fed, endless, message, snapshot
+from page_feed import BURN_IN, Fed, configuration, endless, message, snapshot
 
 OUTSIDE = """return [...document.querySelectorAll("#controls button, #controls input, #pause, #verdict")].filter(element => {
   const {left, top, right, bottom} = element.getBoundingClientRect();
@@ -185,6 +185,37 @@ class States(Fed):
             self.assertEqual(self.browser.text("#body-length"), "gap below 0, length 4.5 m")
         self.begin(20)
         self.wait_for_page("document.getElementById('conduct').hidden", "nothing of the previous run")
+
+    def test_orders_show_what_the_leader_reaches_in_real_units(self):
+        self.begin(5, **sp.Model.load("acc_limits.yaml").to_dict())
+        self.drive(range(BURN_IN, BURN_IN + 21))
+        self.open()
+        for command, words in (("brake", "4 m/s\N{SUPERSCRIPT TWO} until it stands"), ("sinusoid", "\N{PLUS-MINUS SIGN} 2 m/s in 10 s"),
+                               ("accelerate", "2 m/s\N{SUPERSCRIPT TWO}, 10 m/s faster, to 40 m/s at most"),
+                               ("cruise", "back, by -2 to 2 m/s\N{SUPERSCRIPT TWO}"), ("speed", "0 to 40 m/s, by -6 to 3 m/s\N{SUPERSCRIPT TWO}")):
+            self.text_comes("[data-command={}] small".format(command), words)
+        valid = "const speed = document.getElementById('speed'); speed.value = arguments[0]; return speed.checkValidity()"
+        self.assertEqual([self.browser.run(valid, speed) for speed in (-1, 0, 40, 41)], [False, True, True, False])
+        for _ in self.at_both_sizes("orders"):
+            self.assertEqual(self.browser.run(OUTSIDE), [], "out of sight")
+        self.begin(5)
+        self.text_comes("[data-command=speed] small", "cars reach 60 m/s, at once")
+        self.text_comes("[data-command=sinusoid] small", "\N{PLUS-MINUS SIGN} 2 m/s in 1 s")
+
+    def test_a_paced_drive_shows_its_step_before_the_first_figures(self):
+        self.followers = 5
+        self.state.take_configuration(configuration(5, 6000, run={"rate": 10.0, "realizations": 1}))
+        nothing = [math.nan] * 5
+        waiting = dict(attempt=0, mean=nothing, variance=nothing, time_average=False, realizations=0, standard_error=nothing, variance_score=nothing)
+        self.state.take_overview(endless(5, 0, **waiting), 0.0)
+        self.state.take_topics({"vehicle_{}/position".format(i) for i in range(6)} | {"overview"})
+        self.open()
+        self.text_comes("#string-note", "the first step is under way")
+        self.state.take_snapshot(snapshot(3104, 5))
+        self.state.take_topics({"vehicle_{}/position".format(i) for i in range(6)} | {"overview"})
+        for _ in self.at_both_sizes("paced"):
+            self.text_comes("#facts", "step k3104 of 5999 (310.4 s)")
+            self.text_comes("#string-note", "theory; the first figures appear when a batch of realizations is complete, behind step 5999 (599.9 s)")
 
     def test_header_and_strip_show_the_same_step(self):
         self.begin(20)

@@ -22,9 +22,9 @@ def message(**fields):
     return types.SimpleNamespace(**fields)
 
 
-def configuration(followers=3, steps=4, **model):
+def configuration(followers=3, steps=4, run=None, **model):
     document = dict(sp.Model.load("paper.yaml").to_dict(), **model)
-    return message(data=json.dumps({"version": sp.__version__, "model": document, "run": dict(RUN, followers=followers, steps=steps)}))
+    return message(data=json.dumps({"version": sp.__version__, "model": document, "run": dict(RUN, followers=followers, steps=steps, **(run or {}))}))
 
 
 def overview(followers=3, step=(0, 1, 2, 3), **changes):

@@ -62,6 +62,23 @@ class Conduct(unittest.TestCase):
         for other in ((1, 2), (0, 0), (0, 9)):  # another realization, an earlier step, a snapshot too late
             self.assertIsNone(self.taken((0, 1, apart, [5.0] * 3), (*other, apart, [0.0] * 3))["strongest"])
 
+    def test_the_bounds_of_what_is_possible_are_those_of_the_warnings(self):
+        apart = [20.0, 10.0, 0.0]
+        for share, possible in ((0.99, True), (1.01, False)):
+            braked = 5.0 - share * sp.model.HARDEST * 0.1
+            self.assertEqual(self.taken((0, 1, apart, [5.0] * 3), (0, 2, apart, [5.0, 5.0, braked]))["possible"], possible)
+            self.assertEqual(self.taken((0, 1, apart, [0.0, 0.0, share * sp.model.REVERSING]))["reversing"] == [], possible)
+        self.assertEqual((sp.model.HARDEST, sp.model.REVERSING, sp.model.FASTEST_CAR), (10.0, -0.1, 60.0))
+
+    def test_a_snapshot_has_accelerations_over_the_time_since_the_one_before(self):
+        known = state.PlatoonState()
+        known.take_configuration(configuration())
+        for step, speed in ((3, [20.0] * 4), (5, [20.0, 20.5, 19.0, 20.0]), (11, [20.0] * 4)):
+            now = snapshot(step)
+            now.speed = speed
+            known.take_snapshot(now)
+            self.assertEqual(known.give("snapshot")["acceleration"], [0.0, 2.5, -5.0, 0.0] if step == 5 else [])
+
     def test_the_table_and_the_document_have_it(self):
         known = state.PlatoonState()
         known.take_configuration(configuration(vehicle_length=7.0))
@@ -284,6 +301,20 @@ class Table(unittest.TestCase):
         self.assertIn("h = 3.2 (0.32 s)", first)
         self.assertIn("step 3 (0.3 s), 100 of 1000 realizations", second)
         self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(table_of(3, 50, time_average=True)))
+
+    def test_shows_the_step_of_a_drive_before_its_figures(self):
+        known = state.PlatoonState()
+        known.take_configuration(configuration(3, 6000))
+        known.take_topics({"vehicle_0/position"})
+        nothing = [NAN] * 3
+        known.take_overview(overview(3, (0,), attempt=0, realizations=0, mean=nothing, variance=nothing), 0.0)
+        self.assertIsNotNone(known.document()["start"])
+        known.take_snapshot(snapshot(3104))
+        document = known.document()
+        self.assertEqual((document["start"], document["present"]), (None, {"realization": 0, "step": 3104}))
+        known.take_topics({"vehicle_0/position"})
+        self.assertIsNone(known.document()["start"])
+        self.assertIn("nothing is measured yet: realization 0 at step 3104 of 5999 (310.4 s)", " ".join(table.table(document, 50)))
 
     def test_marks_provisional_averages(self):
         known = state.PlatoonState()

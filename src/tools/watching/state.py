@@ -145,12 +145,16 @@ class PlatoonState:
 
     def take_snapshot(self, message: Any) -> None:
         with self.lock:
+            news = self.conducted is not None and message.step >= 0 and self.conducted.take(message)
             self.snapshot = {"realization": message.realization, "step": message.step, "position": numbers(message.position),
-                             "tracking_error": rounded(message.tracking_error), "speed": rounded(message.speed)}
+                             "tracking_error": rounded(message.tracking_error), "speed": rounded(message.speed),
+                             "acceleration": rounded(self.conducted.acceleration) if self.conducted else []}
             if message.step >= 0:
                 self.latest.append(self.snapshot)
-            news = self.conducted is not None and message.step >= 0 and self.conducted.take(message)
-        self.report("snapshot", *(("conduct",) if news else ()))
+            # The vehicles drive, though the first figures may be a realization away.
+            started = self.start is not None and message.step >= 0
+            self.start = None if started else self.start
+        self.report("snapshot", *(("conduct",) if news else ()), *(("health",) if started else ()))
 
     def take_diagnostics(self, message: Any) -> None:
         """Takes the status of this platoon's monitor from a diagnostic_msgs/DiagnosticArray and ignores all others."""
@@ -168,7 +172,7 @@ class PlatoonState:
     def take_topics(self, topics: Set[str]) -> None:
         """Takes the names of the published topics in the platoon's namespace: before the first step they show the missing vehicles."""
         with self.lock:
-            if self.configuration and not self.began:
+            if self.configuration and not self.began and not self.latest:
                 self.start = start_of(topics, self.configuration["followers"], self.configuration["external"])
         self.report("health")
 
@@ -260,4 +264,5 @@ class PlatoonState:
             nothing: Dict[str, Any] = {
                 **{name: None for name in ("followers", "step", "realizations", "string_stable", "limit_variance", "max_abs_z")},
                 **{name: [] for name in ("mean", "variance", "theoretical_variance", *GAPS)}}
-            return {**nothing, **(self.configuration or {}), **(self.statistics or {}), **self.health, "conduct": self.conduct, "events": self.log}
+            present = self.snapshot and {name: self.snapshot[name] for name in ("realization", "step")}
+            return {**nothing, "present": present, **(self.configuration or {}), **(self.statistics or {}), **self.health, "conduct": self.conduct, "events": self.log}

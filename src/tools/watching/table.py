@@ -39,6 +39,9 @@ def heading(state: Dict[str, Any]) -> List[str]:
     elif at is None:
         second = "nothing is measured yet" + (" (burn-in: {} steps, {:.3g} s of driving)".format(
             state["burn_in"], state["burn_in"] * period) if state["endless"] else "")
+        if state["present"] and not state["endless"]:
+            second += ": realization {} at step {} of {} ({:.6g} s)".format(
+                state["present"]["realization"], state["present"]["step"], state["steps"] - 1, state["present"]["step"] * period)
     elif state["time_average"]:
         second = "averages over time up to step {}".format(at)
         if state["paused_until"] is not None:

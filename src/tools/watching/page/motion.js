@@ -5,7 +5,6 @@ import { canvasOf, drawGrid, label, LEFT, line, niceTicks, rangeScale } from "./
 const MOST = 1200;      // snapshots: a minute at 20 a second
 const MOST_PICKS = 6;
 const MOST_COLOURS = 12;  // followers whose colours a reader can tell apart
-const APART = 5;        // steps between two snapshots over which an acceleration is formed at most
 const RIGHT = 10, TOP = 18, BOTTOM = 38;
 export const QUANTITIES = [
   { name: "gap", unit: "m", least: 2 }, { name: "speed", unit: "m/s", least: 2 }, { name: "acceleration", unit: "m/s²", least: 1 }];
@@ -43,18 +42,18 @@ export class Motion {
     if (snapshot.step < 0 || !snapshot.speed.length) return;
     if (before && before.realization === snapshot.realization && steps === 0) return;
     if (before && (before.realization !== snapshot.realization || steps < 0)) this.columns = [];  // another realization, or a restart
-    const { realization, step, position, speed } = snapshot, follows = this.columns.length > 0;
+    const { realization, step, position, speed, acceleration } = snapshot;
     // After a pause of the page the lines begin again.
-    const broken = follows && steps > Math.max(APART, 4 * (before.steps || steps));
-    this.columns.push({ realization, step, position, speed, steps, broken, before: follows && steps <= APART ? before.speed : null });
+    const broken = this.columns.length > 0 && steps > Math.max(5, 4 * (before.steps || steps));
+    this.columns.push({ realization, step, position, speed, acceleration, steps, broken });
     if (this.columns.length > MOST) this.columns.shift();
   }
 
   // A quantity of vehicle i in a column; null if there is none.
-  value(name, i, { position, speed, before, steps }) {
+  value(name, i, { position, speed, acceleration }) {
     if (name === "gap") return i ? position[i - 1] - position[i] - this.lengths[i - 1] : null;
     if (name === "speed") return speed[i];
-    return before ? (speed[i] - before[i]) / (steps * this.period) : null;
+    return acceleration[i] ?? null;
   }
 
   // Draws the charts, and a button for each picked vehicle with its present values.

@@ -12,7 +12,7 @@ const atStep = (step, run) => step == null ? "–" : `${step} (${seconds(step, r
 // Text on the present content of the averages.
 function averagesOf(of, run, health) {
   if (of.step === null && health?.start) return health.start;
-  if (!of.time_average) return of.step === null ? "theory; nothing is measured yet" : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
+  if (!of.time_average) return of.step === null ? `theory; the first figures appear when a batch of realizations is complete, behind step ${atStep(run.steps - 1, run)}` : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
   const until = of.paused_until, early = of.step === null && of.provisional;
   if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${atStep(of.step, run)}`;
   const end = `until step ${until}, ${seconds(until - of.latest_step, run)} of driving from now`;
@@ -58,7 +58,10 @@ export function facts(list, { configuration, statistics }, snapshot) {
   const of = statistics ?? {}, shown = [["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`],
     ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
   if (configuration.endless) shown.push(["step k", atStep(snapshot?.step ?? of.latest_step, configuration)]);
-  else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
+  else {
+    shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
+    if (configuration.rate_wanted && !of.complete && snapshot) shown.push(["step k", `${snapshot.step} of ${configuration.steps - 1} (${seconds(snapshot.step, configuration)})`]);
+  }
   if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
   if (of.seconds_left != null) shown.push(["time left", duration(of.seconds_left)]);
