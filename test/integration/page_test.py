@@ -161,13 +161,20 @@ class States(Fed):
         entries = [message(key="culprit", value="vehicle_3 has sent nothing since step 299"), message(key="retries", value="2")]
         self.state.take_diagnostics(message(status=[message(name="platoon/monitor: monitor", message="", values=entries)]))
         of = snapshot(300, 20)
-        of.position = [600.0 - 6.4 * i - (9.0 if i == 2 else 0.0) for i in range(21)]  # vehicle 2 is behind vehicle 3
+        of.position = [600.0 - 6.4 * i - (9.0 if i == 2 else 4.0 if i == 8 else 0.0) for i in range(21)]  # vehicle 2 is behind vehicle 3
         self.state.take_snapshot(of)
         for _ in self.at_both_sizes("stopped"):
             self.text_comes("#culprit", "Run stalled: vehicle_3 has sent nothing since step 299 (2 retries)")
             self.text_comes("#log", "run stalled: vehicle_3")
-            self.text_comes("#road-note", "1 overlapping: 3")
+            self.text_comes("#road-note", "1 overlapping: 3")  # a point 2.4 m behind vehicle 8 does not touch it
+            self.text_comes("#conduct", "The cars: follower 3 overlaps the vehicle ahead")
+            self.text_comes("#body-length", "gap below 0, vehicles without length")
             self.wait_for_page("document.getElementById('road').dataset.overlaps === '3'", "the mark")
+            # Only those that overlap are drawn so.
+            bodies = self.browser.run("return JSON.parse(document.getElementById('road').dataset.places)")
+            touching = [i + 1 for i, ((x, lane, long), (behind, same, other)) in enumerate(zip(bodies, bodies[1:]))
+                        if lane == same and x - long / 2 < behind + other / 2 - 1]
+            self.assertEqual(touching, [3])
 
     def test_what_the_cars_do_stands_beside_the_verdict(self):
         self.begin(20, vehicle_length=4.5)

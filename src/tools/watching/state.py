@@ -148,7 +148,8 @@ class PlatoonState:
             news = self.conducted is not None and message.step >= 0 and self.conducted.take(message)
             self.snapshot = {"realization": message.realization, "step": message.step, "position": numbers(message.position),
                              "tracking_error": rounded(message.tracking_error), "speed": rounded(message.speed),
-                             "acceleration": rounded(self.conducted.acceleration) if self.conducted else []}
+                             "acceleration": rounded(self.conducted.acceleration) if self.conducted else [],
+                             "colliding": self.conducted.colliding if self.conducted else []}
             if message.step >= 0:
                 self.latest.append(self.snapshot)
             # The vehicles drive, though the first figures may be a realization away.

@@ -20,8 +20,8 @@ namespace platoon {
 /// for k >= a + i - 1, up to a burn-in after its end, k <= b + i - 1 + burn_in. The decision requires the leader's step
 /// k - i + 1, the latest on which zeta_i(k) depends.
 ///
-/// Until a follower has an average, provisional() has the moments of the latest of its errors, those of a manoeuvre left
-/// out. They serve displays alone.
+/// Until a follower has an average, provisional() has the moments of the latest of its errors, those of a manoeuvre
+/// left out. They serve displays alone.
 ///
 /// The errors of a follower are added in the order of their steps, not of their arrival, so the sums have the same
 /// bits. Successive errors are correlated: shares() measures their share of independent errors.
