@@ -113,6 +113,8 @@ class States(Fed):
             self.assertGreater(self.browser.run("return document.querySelector('#string rect').getBoundingClientRect().height"), 3)
         self.browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true}))")
         self.text_comes("#readout", "Follower 1: provisional variance 2 m")
+        self.drive(range(100, 101), mean=nothing, variance=nothing, provisional_mean=[0.1] * followers, provisional_variance=early, manoeuvre=True, counted_from=301)
+        self.text_comes("#string-note", "provisional averages, paused while the leader manoeuvres: burn-in at the earliest until step 301, 20.1 s of driving from now")
         self.drive(range(BURN_IN, BURN_IN + 11))
         self.wait_for_page(pale + " == 0", "full bars")
         self.text_comes("#string-note", "averages over time up to step 210")

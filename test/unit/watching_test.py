@@ -323,6 +323,8 @@ class Table(unittest.TestCase):
         lines = table.table(known.document(), 50)
         self.assertEqual(lines[-1].split()[:3], ["3", "~0.02", "~5"])
         self.assertIn("~ provisional averages up to step 20 (2 s), replaced when the burn-in is over: at the earliest at step 200 (20 s)", " ".join(lines))
+        known.take_overview(burning_in(3, 30, manoeuvre=True, counted_from=231), 0.0)
+        self.assertIn("~ provisional averages, paused while the leader manoeuvres, replaced", " ".join(table.table(known.document(), 50)))
         known.take_overview(endless(3, 200, counted_from=200), 0.0)
         self.assertNotIn("~", " ".join(table.table(known.document(), 50)))
 

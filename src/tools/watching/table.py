@@ -34,8 +34,8 @@ def heading(state: Dict[str, Any]) -> List[str]:
     at = None if state["step"] is None else "{} ({:.6g} s)".format(state["step"], state["step"] * period)
     if state["provisional"]:
         step, until = state["provisional"]["step"], state["paused_until"]
-        second = "~ provisional averages up to step {} ({:.6g} s), replaced when the burn-in is over{}".format(
-            step, step * period, "" if until is None else ": at the earliest at step {} ({:.6g} s)".format(until, until * period))
+        second = "~ provisional averages{}, replaced when the burn-in is over{}".format(
+            ", paused while the leader manoeuvres" if state["manoeuvre"] else " up to step {} ({:.6g} s)".format(step, step * period), "" if until is None else ": at the earliest at step {} ({:.6g} s)".format(until, until * period))
     elif at is None:
         second = "nothing is measured yet" + (" (burn-in: {} steps, {:.3g} s of driving)".format(
             state["burn_in"], state["burn_in"] * period) if state["endless"] else "")

@@ -73,7 +73,7 @@ export class Motion {
     const times = this.columns.map(({ step }) => step * this.period), from = times[0] ?? 0, to = Math.max(times[times.length - 1] ?? 1, from + 1);
     const place = t => LEFT + (t - from) / (to - from) * (right - LEFT), xs = times.map(place);
     drawGrid(context, scale, y, foot, right, `${name}, ${unit}`);
-    for (const t of niceTicks(from, to, Math.max(Math.floor(width / 110), 3)))
+    for (const t of niceTicks(from, to, Math.max(Math.floor(width / 65), 3)))
       label(context, `${t}`, Math.min(place(t), width - context.measureText(t).width / 2), foot + 16, "center");
     label(context, "time, s", (LEFT + right) / 2, foot + 32, "center");
     if (scale.low < 0 && scale.high > 0) {  // a gap below 0 is a collision
@@ -115,7 +115,7 @@ export class Motion {
     this.picks.forEach((i, at) => {
       const button = box.children[at], words = last ? QUANTITIES.map(({ name, unit }) => {
         const value = this.value(name, i, last);
-        return value === null ? null : `${value.toFixed(name === "gap" ? 1 : 2)} ${unit}`;
+        return value === null ? null : `${value.toFixed(name === "gap" ? 1 : 2).replace(/^-(0\.0+)$/, "$1")} ${unit}`;
       }).filter(text => text).join(", ") : "";
       button.dataset.vehicle = i;
       button.firstChild.style.borderColor = this.colour(i);

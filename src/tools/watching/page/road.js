@@ -126,14 +126,16 @@ export class Road {
     const longOf = i => Math.max(this.bodyLength(i, position) * metre, 4);
     const over = new Set(this.present.colliding);  // decided by the server, as its words are
     for (let row = 0; row < count; ++row) this.drawLane(context, row, lane, width, metre, position, across, n);
+    const written = [];  // the place of the latest speed in each lane: standing vehicles are closer than their numbers are wide
     for (let i = 0; i <= n; ++i) {
       const row = Math.floor(i / across), x = this.x[row] + (position[i] - position[0]) * metre, middle = row * lane + lane * (speeds ? 0.24 : 0.36);
       const long = longOf(i), broad = Math.min(lane * (speeds ? 0.3 : 0.34), Math.max(0.6 * Math.min(long, LENGTH * metre), 4));
       if (x < -long || x > width + long) continue;
       this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i ? 2.5 : picks.includes(i) ? 1.2 : 0);
       if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre, longOf(i - 1));
-      if (speeds && this.present.speed[i] !== undefined)
-        label(context, this.present.speed[i].toFixed(1), x - long / 2, row * lane + lane * 0.84, "center", { font: "11px" });
+      if (!speeds || this.present.speed[i] === undefined || Math.abs(x - long / 2 - (written[row] ?? Infinity)) < 26) continue;
+      written[row] = x - long / 2;
+      label(context, this.present.speed[i].toFixed(1), written[row], row * lane + lane * 0.84, "center", { font: "11px" });
     }
     // Middle and length of each vehicle [px], for clicks.
     this.places = position.map((p, i) => {

@@ -16,7 +16,8 @@ function averagesOf(of, run, health) {
   const until = of.paused_until, early = of.step === null && of.provisional;
   if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${atStep(of.step, run)}`;
   const end = `until step ${until}, ${seconds(until - of.latest_step, run)} of driving from now`;
-  if (early) return `provisional averages up to step ${atStep(early.step, run)}: burn-in ${end}` + (of.manoeuvre ? " at the earliest: the leader manoeuvres" : "");
+  if (early) return of.manoeuvre ? `provisional averages, paused while the leader manoeuvres: burn-in at the earliest ${end}` :
+    `provisional averages up to step ${atStep(early.step, run)}: burn-in ${end}`;
   if (of.step === null) return `theory; burn-in ${end}`;
   return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
 }
