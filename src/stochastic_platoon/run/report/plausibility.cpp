@@ -12,7 +12,6 @@ namespace platoon {
 
 namespace {
 
-constexpr double kHardest = 10.0, kReversing = -0.1;               // [m/s^2], [m/s]
 constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;  // [s]
 constexpr double kOneInAHundred = 2.58;                            // standard deviations, both tails
 constexpr std::size_t kMostTheory = 100'000;                       // of the theory that is computed for warnings
