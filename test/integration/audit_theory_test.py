@@ -143,6 +143,10 @@ class AuditTheory(unittest.TestCase):
         for model in (paper(0.2, 3.0), paper(0.6, 1.7), paper(0.1, 1.5, "extrapolate")):
             self.assertLess(abs(String(model).loss_gain() / burst_theory_test.loss_gain(model, 128)[1] - 1), 1e-10)
 
+    def test_the_loss_gain_of_long_bursts_is_that_of_all_lags(self):
+        model = dict(PAPER, **burst_theory_test.LONG_BURSTS)
+        self.assertLess(abs(String(model).loss_gain() / burst_theory_test.loss_gain_by_lags(model, 1 << 19) - 1), 1e-12)
+
     def test_radios_of_unlike_cars_agree_with_the_table_at_a_late_step(self):
         def inputs(**radio):
             return [{"signal": "position", "from": "predecessor", "noise_variance": 0.5},

@@ -4,7 +4,7 @@ known: weights for its values at the nodes, exact for its interpolation on each 
 import numpy as np
 
 from audit.followers import COMPLEX, LONG
-from audit.quadrature import NODES, PI, WEIGHTS
+from audit.quadrature import NODES, PI, WEIGHTS, Panels, halved
 
 SIZE = len(NODES)
 BARYCENTRIC = np.array([1 / np.prod([a - b for b in NODES if b != a]) for a in NODES], LONG)
@@ -20,6 +20,24 @@ def interpolation(x):
     at_node = hit.any(axis=-1)
     weights[at_node] = hit[at_node]
     return weights
+
+
+def interpolating(edges, functions, tolerance=1e-13):
+    """Edges of panels whose nodes interpolate all arrays of the list functions(circle). A kernel narrower than a panel needs the values
+    between the nodes, and on every panel, however little it adds to the mean; Gauss's nodes integrate twice the degree that they
+    interpolate."""
+    to_halves = interpolation(np.concatenate([NODES - 1, NODES + 1]) / 2).T
+    while len(edges) < 2000:
+        coarse, fine = functions(Panels(edges).circle), functions(Panels(halved(edges)).circle)
+        split = np.zeros(len(edges) - 1, bool)
+        for known, wanted in zip(coarse, fine):
+            wanted = wanted.reshape(-1, 2 * SIZE)
+            missed = np.abs(known.reshape(-1, SIZE) @ to_halves - wanted).max(axis=1)
+            split |= ~(missed <= tolerance * np.abs(wanted).max(axis=1))
+        if not split.any():
+            break
+        edges = halved(edges, split)
+    return edges
 
 
 def kernel(angle, apart, size):

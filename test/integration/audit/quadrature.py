@@ -58,11 +58,16 @@ def graded(singular):
     return kept
 
 
+def halved(edges, chosen=slice(None)):
+    """Edges of all panels, or of those that are chosen, cut into halves."""
+    return np.sort(np.concatenate([edges, ((edges[1:] + edges[:-1]) / 2)[chosen]]))
+
+
 def panels(singular, integrands, tolerance=1e-15):
     """Panels that resolve all arrays of the list integrands(circle), which must be positive."""
     edges = np.array(graded(singular), LONG)
     for _ in range(40):
-        finer = np.sort(np.concatenate([edges, (edges[1:] + edges[:-1]) / 2]))
+        finer = halved(edges)
         coarse, fine = Panels(edges), Panels(finer)
         split = np.zeros(len(edges) - 1, bool)
         for one, other in zip(integrands(coarse.circle), integrands(fine.circle)):
@@ -70,5 +75,5 @@ def panels(singular, integrands, tolerance=1e-15):
             split |= ~(np.abs(one - other) <= tolerance * np.abs(other).sum())
         if not split.any() or len(edges) > 20000:
             break
-        edges = np.sort(np.concatenate([edges, ((edges[1:] + edges[:-1]) / 2)[split]]))
+        edges = halved(edges, split)
     return Panels(finer)

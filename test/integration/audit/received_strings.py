@@ -8,6 +8,7 @@ import scipy.linalg
 import scipy.sparse.linalg
 from mpmath import mp, mpf
 
+from audit.convolution import interpolating
 from audit.followers import LONG, Circle, long, once
 from audit.integers import Points
 from audit.quadrature import PI, Panels, panels
@@ -155,9 +156,10 @@ class String:
                 if self.lossy:
                     found += [sum(link["innovation"] * link["sent"] for v in values for link in v["links"]) * inputs / margin]
             return found
-        resolved = panels(self.singular(), integrands)
+        coarse = panels(self.singular(), integrands).edges[::2]  # which agree with the finer ones
+        if any(link.q and not link.white for own in self.types for link in own.links):
+            coarse = interpolating(coarse, integrands)
         phase = max(link.delay for own in self.types for link in own.links) + 2
-        coarse = resolved.edges[::2]  # which agree with the finer ones
         longest, edges = MOST_PHASE / phase, [coarse[:1]]
         for low, high in zip(coarse, coarse[1:]):
             edges.append(np.linspace(low, high, int(np.ceil(float((high - low) / longest))) + 1)[1:])
