@@ -52,6 +52,7 @@ double HearingGain::operator()(double w) const {
 
 HearingGain::Peak HearingGain::peak() const {
   constexpr int kPoints = 4000;
+  constexpr double kRounding = 1e-12;  // of a gain
   const double pi = boost::math::double_constants::pi;
   const auto at = [pi](int j) { return pi * std::exp(std::log(1e-5) * (1.0 - static_cast<double>(j) / kPoints)); };
   std::vector<double> gains;
@@ -62,8 +63,10 @@ HearingGain::Peak HearingGain::peak() const {
   Peak best{0.0, 0.0};
   for (int j = 0; j <= kPoints; ++j) {
     const auto n = static_cast<std::size_t>(j);
-    const bool is_top = (j == 0 || gains[n] >= gains[n - 1]) && (j == kPoints || gains[n] >= gains[n + 1]);
-    if (!is_top) continue;
+    const double before = gains[j > 0 ? n - 1 : n], behind = gains[j < kPoints ? n + 1 : n];
+    best = gains[n] > best.gain ? Peak{gains[n], at(j)} : best;
+    const bool is_top = gains[n] >= before && gains[n] >= behind;
+    if (!is_top || gains[n] - std::min(before, behind) < kRounding) continue;
     double left = at(std::max(j - 1, 0)), right = at(std::min(j + 1, kPoints));
     for (int round = 0; round < 80; ++round) {
       const double one = left + (right - left) / 3.0, other = right - (right - left) / 3.0;

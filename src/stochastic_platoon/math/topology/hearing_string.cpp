@@ -14,6 +14,7 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/topology/hearing_gain.hpp"
+#include "stochastic_platoon/math/topology/hearing_limit.hpp"
 #include "stochastic_platoon/math/topology/hearing_loop.hpp"
 #include "stochastic_platoon/math/topology/hearing_spectra.hpp"
 
@@ -64,126 +65,6 @@ std::vector<double> settled(const PlatoonModel& model,
   }
 }
 
-using Matrix = std::vector<std::vector<Eigen::ArrayXcd>>;  // entries per frequency
-
-Matrix product(const Matrix& a, const Matrix& b) {
-  const std::size_t r = a.size();
-  Matrix c(r, std::vector<Eigen::ArrayXcd>(r, Eigen::ArrayXcd::Zero(a[0][0].size())));
-  for (std::size_t i = 0; i < r; ++i) {
-    for (std::size_t j = 0; j < r; ++j) {
-      for (std::size_t l = 0; l < r; ++l) c[i][j] += a[i][l] * b[l][j];
-    }
-  }
-  return c;
-}
-
-Matrix adjoint(const Matrix& a) {
-  Matrix c = a;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < a.size(); ++j) c[i][j] = a[j][i].conjugate();
-  }
-  return c;
-}
-
-void add_to(Matrix& sum, const Matrix& a) {
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < a.size(); ++j) sum[i][j] += a[i][j];
-  }
-}
-
-double size_of(const Matrix& a) {
-  double largest = 0.0;
-  for (const auto& row : a) {
-    for (const Eigen::ArrayXcd& entry : row) largest = std::max(largest, entry.abs().maxCoeff());
-  }
-  return largest;
-}
-
-/// An endless string in which place p of the pattern adds a given spectrum.
-class EndlessString {
-public:
-  explicit EndlessString(const HearingSpectra& spectra, std::size_t period)
-      : spectra_(spectra), period_(period), first_(spectra.reach() + 1) {
-    // Whole patterns later, so that first_ begins one.
-    while ((first_ - 1) % period_ != 0) ++first_;
-    const Window nothing = spectra.nothing();
-    product_ = nothing;
-    for (std::size_t j = 0; j < product_.size(); ++j) product_[j][j].setOnes();
-    for (std::size_t p = 0; p < period_; ++p) {
-      Matrix companion = nothing;
-      companion[0] = spectra.transfers(first_ + p);
-      for (std::size_t j = 1; j < companion.size(); ++j) companion[j][j - 1].setOnes();
-      product_ = product(companion, product_);
-    }
-  }
-
-  /// The window in front of the first place: X = M X M* + Q, by doubling.
-  Window in_front(const std::vector<Eigen::ArrayXd>& added) const {
-    Window once = spectra_.nothing();
-    for (std::size_t p = 0; p < period_; ++p) spectra_.advance(first_ + p, added[p], once);
-    Matrix power = product_;
-    for (int doubling = 0; doubling < 60 && size_of(power) > 1e-20; ++doubling) {
-      check_interruption();
-      add_to(once, product(product(power, once), adjoint(power)));
-      power = product(power, power);
-    }
-    return once;
-  }
-
-  /// The variances at the places, and the spectra that each adds behind this window.
-  std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added,
-                           std::vector<Eigen::ArrayXd>& next) const {
-    std::vector<double> variances;
-    for (std::size_t p = 0; p < period_; ++p) {
-      next[p] = spectra_.added(first_ + p, window);
-      variances.push_back(spectra_.advance(first_ + p, added[p], window));
-    }
-    return variances;
-  }
-
-  std::vector<Eigen::ArrayXd> of_noise() const {
-    std::vector<Eigen::ArrayXd> added;
-    for (std::size_t p = 0; p < period_; ++p) added.push_back(spectra_.added(first_ + p, spectra_.nothing()));
-    return added;
-  }
-
-private:
-  const HearingSpectra& spectra_;
-  std::size_t period_, first_;
-  Matrix product_;
-};
-
-struct Limit {
-  std::vector<double> variances;
-  double loss_gain = 0.0;
-};
-
-/// The variances that settle along an endless string; the loss gain is the factor by which what losses add grows from
-/// one round of the string to the next.
-Limit limit_of(const HearingSpectra& spectra, std::size_t period, bool loses) {
-  constexpr int kMostRounds = 400;
-  const EndlessString string(spectra, period);
-  std::vector<Eigen::ArrayXd> added = string.of_noise(), next = added;
-  Limit limit;
-  double before = 0.0, change = 0.0;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const std::vector<double> variances = string.pass(string.in_front(added), added, next);
-    if (!loses) return {variances, 0.0};
-    double largest = 0.0;
-    change = 0.0;
-    for (std::size_t p = 0; p < period; ++p) {
-      change = std::max(change, (next[p] - added[p]).abs().maxCoeff());
-      largest = std::max(largest, next[p].maxCoeff());
-    }
-    if (round > 0 && before > 0.0) limit.loss_gain = change / before;
-    limit.variances = variances;
-    added = next;
-    if (change <= 1e-14 * largest || !std::isfinite(change) || (round > 30 && limit.loss_gain > 1.0)) break;
-    before = change;
-  }
-  return limit;
-}
-
 // Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.
 constexpr double kDoubt = 1e-9;
 
@@ -212,12 +93,13 @@ void judge(const PlatoonModel& model, StringStability& verdict) {
   }
   const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
   const std::size_t period = type_order(model).size();
-  double loss_gain = 0.0;
-  const std::vector<double> limits = settled(model, [&](const HearingSpectra& spectra) {
-    const Limit limit = limit_of(spectra, period, loses);
-    loss_gain = limit.loss_gain;
+  std::vector<double> limits = settled(model, [period, loses](const HearingSpectra& spectra) {
+    HearingLimit limit = hearing_limit(spectra, period, loses);
+    limit.variances.push_back(limit.loss_gain);
     return limit.variances;
   });
+  const double loss_gain = limits.back();
+  limits.pop_back();
   if (loses) verdict.loss_gain = loss_gain;
   if (loss_gain >= 1.0) {
     verdict.reason = formatted(
