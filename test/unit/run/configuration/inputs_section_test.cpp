@@ -120,7 +120,7 @@ TEST(InputsSection, NamesAnInvalidInput) {
            Case{with_radio("gain: 0.9", "gain: 0"), "inputs[1]/gain: 0: must be other than 0"},
            Case{with_radio("noise_variance: 0.02, ", ""), "inputs[1]/noise_variance: missing"},
            Case{with_radio("predecessor, gain", "nobody, gain"), "inputs[1]/from: nobody: must be predecessor, leader"},
-           Case{with_radio("signal: input", "signal: jerk"), "inputs[1]/signal: jerk: must be position, speed"},
+           Case{with_radio("signal: input", "signal: jerk"), "inputs[1]/signal: jerk: must be position or speed"},
            Case{kCarText + noise + "inputs:\n" + kRadio, "inputs: no position: must be at least one position"},
            Case{kCarText + noise + kInputs, "noise_variance: given: must be absent beside"},
            Case{kCarText + noise + "channel: {loss: {probability: 0.1, on_loss: zero}}\n",
