@@ -7,8 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/topology/hearing_loop.hpp"
 
 namespace platoon {
 

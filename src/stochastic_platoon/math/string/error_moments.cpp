@@ -13,7 +13,7 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
-#include "stochastic_platoon/math/topology/hearing_moments.hpp"
+#include "stochastic_platoon/math/string/hearing_moments.hpp"
 
 namespace platoon {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
-#include "stochastic_platoon/math/topology/hearing_loop.hpp"
 
 namespace platoon {
 

@@ -9,7 +9,7 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
-#include "stochastic_platoon/math/topology/hearing_moments.hpp"
+#include "stochastic_platoon/math/string/hearing_moments.hpp"
 
 namespace platoon {
 

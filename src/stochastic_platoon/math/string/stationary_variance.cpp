@@ -2,7 +2,7 @@
 
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/topology/hearing_string.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
 
 namespace platoon {
 

@@ -6,8 +6,8 @@
 
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "stochastic_platoon/math/topology/hearing_string.hpp"
 
 namespace platoon {
 

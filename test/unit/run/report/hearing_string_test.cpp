@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/topology/hearing_string.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/hearing_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "stochastic_platoon/math/topology/hearing_moments.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "unit/messages.hpp"

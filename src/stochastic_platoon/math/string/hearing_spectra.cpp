@@ -1,23 +1,22 @@
-#include "stochastic_platoon/math/topology/hearing_spectra.hpp"
+#include "stochastic_platoon/math/string/hearing_spectra.hpp"
 
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
 
 #include "stochastic_platoon/math/links/link_filter.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "stochastic_platoon/math/topology/hearing_loop.hpp"
 
 namespace platoon {
 
 namespace {
 
-using Complex = std::complex<double>;
-
 // z^-m S of an input, given 1 / G of its source.
-Complex sent_value(const Input& input, Complex z, Complex moved, Complex of_input, double period) {
-  const Complex delay = std::pow(std::conj(z), static_cast<double>(input.link.delay));
+std::complex<double> sent_value(const Input& input, std::complex<double> z, std::complex<double> moved,
+                                std::complex<double> of_input, double period) {
+  const std::complex<double> delay = std::pow(std::conj(z), static_cast<double>(input.link.delay));
   switch (input.signal) {
     case InputSignal::position:
       return delay;
@@ -85,14 +84,15 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
                             static_cast<double>(n_));
     const bool near = point.centre == Centre::kOne;
     const std::complex<long double> s = near ? point.offset : point.offset - 2.0L;
-    const Complex z(1.0L + s), moved(s * std::conj(1.0L + s));
+    const std::complex<double> z(1.0L + s), moved(s * std::conj(1.0L + s));
     const HearingLoop::Value value = loop.at(point);
     of.policy(k) = 1.0 + own.headway * moved;
     for (std::size_t j = 0; j < own.inputs.size(); ++j) {
       const Input& input = own.inputs[j];
       of.inputs[j].own(k) = input.gain * (input.signal == InputSignal::position ? value.of_position : value.of_input);
-      of.inputs[j].sent(k) = sent_value(
-          input, z, moved, input.signal == InputSignal::input ? sources[j].at(point).sent : Complex(), period);
+      of.inputs[j].sent(k) =
+          sent_value(input, z, moved,
+                     input.signal == InputSignal::input ? sources[j].at(point).sent : std::complex<double>(), period);
       of.inputs[j].noise(k) = links[j].noise(point);
     }
   }
@@ -127,9 +127,10 @@ Eigen::ArrayXd HearingSpectra::added(std::size_t follower, const Window& ahead) 
           const std::size_t at = one.distance - 1;
           sent = one.sent * other.sent.conjugate() * ahead[at][at];
         }
-        if (j == l) sent += one.noise.cast<Complex>();
+        if (j == l) sent += one.noise.cast<std::complex<double>>();
         const Eigen::ArrayXcd scattered =
-            (*packet.losses)(sent) + one.steady * other.steady * packet.losses->of_steady_motion().cast<Complex>();
+            (*packet.losses)(sent) +
+            one.steady * other.steady * packet.losses->of_steady_motion().cast<std::complex<double>>();
         sum += (one.own * other.own.conjugate() * scattered).real();
       }
     }
@@ -144,7 +145,7 @@ double HearingSpectra::advance(std::size_t follower, const Eigen::ArrayXd& added
   check_interruption();
   const std::vector<Eigen::ArrayXcd> from = transfers(follower);
   std::vector<Eigen::ArrayXcd> cross;  // with the vehicles of the window
-  Eigen::ArrayXcd own = added.cast<Complex>();
+  Eigen::ArrayXcd own = added.cast<std::complex<double>>();
   for (std::size_t b = 0; b < reach_; ++b) {
     cross.emplace_back(Eigen::ArrayXcd::Zero(own.size()));
     for (std::size_t a = 0; a < reach_; ++a) cross[b] += from[a] * window[a][b];

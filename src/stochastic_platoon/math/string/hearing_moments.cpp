@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/topology/hearing_moments.hpp"
+#include "stochastic_platoon/math/string/hearing_moments.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -12,7 +12,7 @@ namespace platoon {
 
 namespace {
 
-using Sequence = std::vector<long double>;
+using Sequence = MeanVehicle::Sequence;
 
 /// Deviations of a vehicle from step -1 on.
 struct Motion {

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/topology/hearing_limit.hpp"
+#include "stochastic_platoon/math/string/hearing_limit.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "stochastic_platoon/math/links/loss_filter.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/topology/hearing_loop.hpp"
 
 namespace platoon {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "stochastic_platoon/math/topology/hearing_spectra.hpp"
+#include "stochastic_platoon/math/string/hearing_spectra.hpp"
 
 namespace platoon {
 

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/topology/hearing_gain.hpp"
+#include "stochastic_platoon/math/string/hearing_gain.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

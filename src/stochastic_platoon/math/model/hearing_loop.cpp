@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/topology/hearing_loop.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/topology/hearing_string.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,16 +7,16 @@
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/hearing_gain.hpp"
+#include "stochastic_platoon/math/string/hearing_limit.hpp"
+#include "stochastic_platoon/math/string/hearing_spectra.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
-#include "stochastic_platoon/math/topology/hearing_gain.hpp"
-#include "stochastic_platoon/math/topology/hearing_limit.hpp"
-#include "stochastic_platoon/math/topology/hearing_loop.hpp"
-#include "stochastic_platoon/math/topology/hearing_spectra.hpp"
 
 namespace platoon {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/topology/hearing_scatter.hpp"
+#include "stochastic_platoon/math/string/hearing_scatter.hpp"
 
 namespace platoon {
 

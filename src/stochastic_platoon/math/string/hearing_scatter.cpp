@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/topology/hearing_scatter.hpp"
+#include "stochastic_platoon/math/string/hearing_scatter.hpp"
 
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
@@ -6,8 +6,6 @@
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
-
-using Complex = std::complex<double>;
 
 HearingScatter::HearingScatter(const LossModel& loss, std::size_t n) : kernel_(loss), forgets_(loss.predictor.empty()) {
   const auto half = static_cast<Eigen::Index>(n / 2);
@@ -41,12 +39,12 @@ HearingScatter::HearingScatter(const LossModel& loss, std::size_t n) : kernel_(l
 Eigen::ArrayXcd HearingScatter::operator()(const Eigen::ArrayXcd& sent) const {
   const Eigen::ArrayXcd f = drive_ * sent;
   const double share = 1.0 / static_cast<double>(f.size());  // a mean over +-nu is that of real parts
-  const Eigen::VectorXcd ahead = ((scattered_ * f.matrix()).real() * share).cast<Complex>(),
-                         behind = ((scattered_ * f.conjugate().matrix()).real() * share).cast<Complex>();
-  const Eigen::RowVectorXd itself = (kernel_.itself().cast<Complex>() * scattered_).real();
+  const Eigen::VectorXcd ahead = ((scattered_ * f.matrix()).real() * share).cast<std::complex<double>>(),
+                         behind = ((scattered_ * f.conjugate().matrix()).real() * share).cast<std::complex<double>>();
+  const Eigen::RowVectorXd itself = (kernel_.itself().cast<std::complex<double>>() * scattered_).real();
   Eigen::ArrayXcd result = (outward_.transpose() * ahead).array() +
                            (outward_.transpose() * behind).array().conjugate() -
-                           Complex(share * (itself.array().transpose() * f.real()).sum());
+                           std::complex<double>(share * (itself.array().transpose() * f.real()).sum());
   if (recalling_.rows() > 0) result += remembered(f) + remembered(f.conjugate()).conjugate();
   return result;
 }
@@ -56,16 +54,16 @@ Eigen::ArrayXcd HearingScatter::operator()(const Eigen::ArrayXcd& sent) const {
 Eigen::ArrayXcd HearingScatter::remembered(const Eigen::ArrayXcd& driven) const {
   const Eigen::Index half = driven.size(), n = 2 * half;
   Eigen::ArrayXcd sum = Eigen::ArrayXcd::Zero(half);
-  std::vector<Complex> whole(static_cast<std::size_t>(n)), lags, circle;
+  std::vector<std::complex<double>> whole(static_cast<std::size_t>(n)), lags, circle;
   for (Eigen::Index m = 0; m < recalling_.rows(); ++m) {
     for (Eigen::Index k = 0; k < half; ++k) {
       whole[static_cast<std::size_t>(k)] = inward_(m, k) * driven(k);
       whole[static_cast<std::size_t>(n - 1 - k)] = mirrored_(m, k) * std::conj(driven(k));
     }
     fft_.inv(lags, whole);
-    const Complex lambda = kernel_.memories()[static_cast<std::size_t>(m)];
-    const Complex round = 1.0 / (1.0 - std::pow(lambda, static_cast<double>(n)));
-    Complex factor = round;
+    const std::complex<double> lambda = kernel_.memories()[static_cast<std::size_t>(m)];
+    const std::complex<double> round = 1.0 / (1.0 - std::pow(lambda, static_cast<double>(n)));
+    std::complex<double> factor = round;
     for (std::size_t t = 1; t < lags.size(); ++t) lags[t] *= (factor *= lambda);
     lags[0] *= factor * lambda;
     fft_.fwd(circle, lags);
