@@ -10,11 +10,11 @@ namespace platoon {
 namespace {
 
 using Window = HearingSpectra::Window;
-using Matrix = std::vector<std::vector<Eigen::ArrayXcd>>;  // entries per frequency
+using SpectralMatrix = std::vector<std::vector<Eigen::ArrayXcd>>;  // entries per frequency
 
-Matrix product(const Matrix& a, const Matrix& b) {
+SpectralMatrix product(const SpectralMatrix& a, const SpectralMatrix& b) {
   const std::size_t r = a.size();
-  Matrix c(r, std::vector<Eigen::ArrayXcd>(r, Eigen::ArrayXcd::Zero(a[0][0].size())));
+  SpectralMatrix c(r, std::vector<Eigen::ArrayXcd>(r, Eigen::ArrayXcd::Zero(a[0][0].size())));
   for (std::size_t i = 0; i < r; ++i) {
     for (std::size_t j = 0; j < r; ++j) {
       for (std::size_t l = 0; l < r; ++l) c[i][j] += a[i][l] * b[l][j];
@@ -23,21 +23,21 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return c;
 }
 
-Matrix adjoint(const Matrix& a) {
-  Matrix c = a;
+SpectralMatrix adjoint(const SpectralMatrix& a) {
+  SpectralMatrix c = a;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < a.size(); ++j) c[i][j] = a[j][i].conjugate();
   }
   return c;
 }
 
-void add_to(Matrix& sum, const Matrix& a) {
+void add_to(SpectralMatrix& sum, const SpectralMatrix& a) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < a.size(); ++j) sum[i][j] += a[i][j];
   }
 }
 
-double size_of(const Matrix& a) {
+double size_of(const SpectralMatrix& a) {
   double largest = 0.0;
   for (const auto& row : a) {
     for (const Eigen::ArrayXcd& entry : row) largest = std::max(largest, entry.abs().maxCoeff());
@@ -56,7 +56,7 @@ public:
     product_ = nothing;
     for (std::size_t j = 0; j < product_.size(); ++j) product_[j][j].setOnes();
     for (std::size_t p = 0; p < period_; ++p) {
-      Matrix companion = nothing;
+      SpectralMatrix companion = nothing;
       companion[0] = spectra.transfers(first_ + p);
       for (std::size_t j = 1; j < companion.size(); ++j) companion[j][j - 1].setOnes();
       product_ = product(companion, product_);
@@ -67,7 +67,7 @@ public:
   Window in_front(const std::vector<Eigen::ArrayXd>& added) const {
     Window once = spectra_.nothing();
     for (std::size_t p = 0; p < period_; ++p) spectra_.advance(first_ + p, added[p], once);
-    Matrix power = product_;
+    SpectralMatrix power = product_;
     for (int doubling = 0; doubling < 60 && size_of(power) > 1e-20; ++doubling) {
       check_interruption();
       add_to(once, product(product(power, once), adjoint(power)));
@@ -96,7 +96,7 @@ public:
 private:
   const HearingSpectra& spectra_;
   std::size_t period_, first_;
-  Matrix product_;
+  SpectralMatrix product_;
 };
 
 /// The largest factor by which what losses add grows from one round of the string to the next, by power iteration.
