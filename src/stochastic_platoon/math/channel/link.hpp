@@ -33,7 +33,7 @@ struct LinkEnds {
 class Link {
 public:
   /// receiver is i >= 1, input the index n of its VehicleModel::inputs. Throws std::invalid_argument if the constructor
-  /// of a stage does, and for a radio without delay; std::out_of_range without such an input.
+  /// of a stage does and for a radio without delay, and std::out_of_range if the vehicle has no input of this index.
   Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver, std::uint32_t input = 0);
 
   /// A link of these stages, in this order.

@@ -14,20 +14,12 @@ namespace {
 
 using Complex = std::complex<long double>;
 
-/// z^n, n of either sign, on the unit circle.
-Complex turned(Complex z, std::ptrdiff_t n) {
-  return power(n < 0 ? std::conj(z) : z, static_cast<std::size_t>(std::abs(n)));
-}
-
-ExactPolynomial scaled(ExactPolynomial p, const Exact& factor) {
-  for (Exact& coefficient : p) coefficient *= factor;
-  return p;
-}
-
 }  // namespace
 
 HearingLoop::HearingLoop(const VehicleModel& vehicle, std::size_t follower, double sample_period)
-    : headway_(0.0), spacing_(vehicle.headway * spacing_in_vehicles(vehicle, follower)), speed_(0.0) {
+    : headway_(0.0),
+      spacing_(vehicle.headway * spacing_in_vehicles(vehicle, follower)),
+      speed_(own_speed_gain(vehicle, sample_period)) {
   if (!vehicle.design) throw std::invalid_argument("closed_loop: given: must be plant and controller");
   const ExactTransfer &plant = vehicle.design->plant.exact(), &controller = vehicle.design->controller.exact();
   plant_numerator_ = plant.numerator;
@@ -35,13 +27,10 @@ HearingLoop::HearingLoop(const VehicleModel& vehicle, std::size_t follower, doub
   controller_numerator_ = controller.numerator;
   controller_denominator_ = controller.denominator;
   if (vehicle.design->divide_by_one_plus_headway)
-    controller_denominator_ = scaled(controller_denominator_, Exact(1) + Exact(vehicle.headway));
+    controller_denominator_ = multiply(controller_denominator_, {Exact(1) + Exact(vehicle.headway)});
   plant_delay_ = plant.delay;
   controller_delay_ = controller.delay;
   if (vehicle.design->headway_filter) headway_ = vehicle.headway;
-  for (const Input& input : vehicle.inputs) {
-    if (input.signal == InputSignal::speed) speed_ += input.gain / sample_period;
-  }
   acceleration_ = vehicle.own_acceleration / (sample_period * sample_period);
   const ExactPolynomial* const parts[] = {&plant_numerator_, &plant_denominator_, &controller_numerator_,
                                           &controller_denominator_};
@@ -49,8 +38,7 @@ HearingLoop::HearingLoop(const VehicleModel& vehicle, std::size_t follower, doub
 }
 
 HearingLoop::Value HearingLoop::at(const CirclePoint& point) const {
-  const bool near = point.centre == Centre::kOne;
-  const Complex s = near ? point.offset : point.offset - 2.0L, z = 1.0L + s, moved = s * std::conj(z);  // 1 - 1/z
+  const Complex s = point.from_one(), z = 1.0L + s, moved = s * std::conj(z);  // 1 - 1/z
   const Complex plant = evaluate(rounded_[0], s), open = evaluate(rounded_[1], s) * turned(z, plant_delay_),
                 controller = evaluate(rounded_[2], s) * turned(z, -controller_delay_),
                 of_controller = evaluate(rounded_[3], s);
@@ -77,6 +65,16 @@ double HearingLoop::spectral_radius() const {
   sum = add(sum, times_z(multiply(of_own, {Exact(0), Exact(speed_)}), q + 1));
   sum = add(sum, times_z(multiply(of_own, {Exact(0), Exact(0), Exact(-acceleration_)}), q));
   return platoon::spectral_radius(zeros(sum));
+}
+
+std::complex<double> sent_value(const Input& input, const CirclePoint& point, std::complex<double> of_source,
+                                double sample_period) {
+  const Complex z = 1.0L + point.from_one(), moved = point.from_one() * std::conj(z) / Complex(sample_period);
+  Complex value = power(std::conj(z), static_cast<std::size_t>(input.link.delay));
+  if (input.signal == InputSignal::speed) value *= moved;
+  if (input.signal == InputSignal::acceleration) value *= moved * moved;
+  if (input.signal == InputSignal::input) value *= Complex(of_source);
+  return static_cast<std::complex<double>>(value);
 }
 
 }  // namespace platoon

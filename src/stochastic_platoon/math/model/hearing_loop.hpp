@@ -21,6 +21,11 @@ public:
     std::complex<double> of_position;  ///< from the weighted positions to the own one
     std::complex<double> of_input;     ///< from the sum of all other signals, times their gains [s^2]
     std::complex<double> sent;         ///< 1 / G: from the own position to the own control input
+
+    /// N: from what the vehicle receives as this input to its own position.
+    std::complex<double> of(const Input& input) const {
+      return input.gain * (input.signal == InputSignal::position ? of_position : of_input);
+    }
   };
   Value at(const CirclePoint& point) const;
 
@@ -34,5 +39,10 @@ private:
   double speed_, acceleration_;  ///< F_v / T_s, F_a / T_s^2
   CirclePolynomial rounded_[4];
 };
+
+/// z^-m S: from the position of the source of an input to what arrives of it without losses. `of_source`: 1 / G of the
+/// source, of control inputs.
+std::complex<double> sent_value(const Input& input, const CirclePoint& point, std::complex<double> of_source,
+                                double sample_period);
 
 }  // namespace platoon

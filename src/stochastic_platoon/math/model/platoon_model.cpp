@@ -19,6 +19,12 @@ ClosedLoop closed_again(const VehicleType& type, const char* varied, const Close
                               varied);
 }
 
+bool any_type(const PlatoonModel& model, const std::function<bool(const VehicleModel&)>& condition) {
+  const std::vector<std::size_t> order = type_order(model);
+  return std::any_of(order.begin(), order.end(),
+                     [&](std::size_t type) { return condition(model.types.at(type).vehicle); });
+}
+
 }  // namespace
 
 const char* name_of(InputSignal signal) {
@@ -124,10 +130,8 @@ PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst) {
 }
 
 bool any_link(const PlatoonModel& model, const std::function<bool(const LinkModel&)>& condition) {
-  const std::vector<std::size_t> order = type_order(model);
-  return std::any_of(order.begin(), order.end(), [&](std::size_t type) {
-    const std::vector<Input>& inputs = model.types.at(type).vehicle.inputs;
-    return std::any_of(inputs.begin(), inputs.end(), [&](const Input& input) { return condition(input.link); });
+  return any_type(model, [&](const VehicleModel& of) {
+    return std::any_of(of.inputs.begin(), of.inputs.end(), [&](const Input& input) { return condition(input.link); });
   });
 }
 
@@ -150,16 +154,6 @@ bool is_papers(const PlatoonModel& model) {
          model.default_vehicle().position().link.is_white_noise_only();
 }
 
-namespace {
-
-bool any_type(const PlatoonModel& model, const std::function<bool(const VehicleModel&)>& condition) {
-  const std::vector<std::size_t> order = type_order(model);
-  return std::any_of(order.begin(), order.end(),
-                     [&](std::size_t type) { return condition(model.types.at(type).vehicle); });
-}
-
-}  // namespace
-
 bool has_radios(const PlatoonModel& model) {
   return any_type(model, [](const VehicleModel& of) {
     return std::any_of(of.inputs.begin(), of.inputs.end(),
@@ -173,8 +167,8 @@ bool hears_predecessors_only(const PlatoonModel& model) {
 
 std::size_t farthest_ahead(const PlatoonModel& model) {
   std::size_t farthest = 1;
-  for (const VehicleModel& of : pattern(model)) {
-    for (const Input& input : of.inputs) farthest = std::max(farthest, input.ahead);
+  for (const std::size_t type : type_order(model)) {
+    for (const Input& input : model.types.at(type).vehicle.inputs) farthest = std::max(farthest, input.ahead);
   }
   return farthest;
 }
@@ -186,6 +180,29 @@ double spacing_in_vehicles(const VehicleModel& vehicle, std::size_t follower) {
       sum += input.gain * static_cast<double>(follower - source_of(input, follower));
   }
   return sum;
+}
+
+double own_speed_gain(const VehicleModel& vehicle, double sample_period) {
+  double sum = 0.0;
+  for (const Input& input : vehicle.inputs) {
+    if (input.signal == InputSignal::speed) sum += input.gain / sample_period;
+  }
+  return sum;
+}
+
+std::vector<double> steady_places(const PlatoonModel& model, std::size_t followers, double slope,
+                                  const std::function<double(const VehicleModel& own, const Input& input)>& late) {
+  std::vector<double> places{0.0};
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const VehicleModel& own = vehicle(model, i);
+    double place = -spacing_in_vehicles(own, i) * (slope * own.headway + own.standstill_distance);
+    for (const Input& input : own.inputs) {
+      const bool is_position = input.signal == InputSignal::position;
+      place += is_position ? input.gain * (places[source_of(input, i)] - late(own, input)) : -late(own, input);
+    }
+    places.push_back(place);
+  }
+  return places;
 }
 
 bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers) {
@@ -246,29 +263,18 @@ double place_of(const PlatoonModel& model, std::size_t follower, const Distance&
   return -(static_cast<double>(patterns) * distance_up_to(length) + distance_up_to(follower % length));
 }
 
-// Of follower i behind vehicle 0, where its positions leave no spacing error: the sum of w_j (y_s(j) - slope m_j) minus
-// that of w_j d_j (slope h + delta).
-double steady_place(const PlatoonModel& model, std::size_t follower, double slope) {
-  std::vector<double> places{0.0};
-  for (std::size_t i = 1; i <= follower; ++i) {
-    const VehicleModel& own = vehicle(model, i);
-    double place = -spacing_in_vehicles(own, i) * (slope * own.headway + own.standstill_distance);
-    for (const Input& input : own.inputs) {
-      if (input.signal == InputSignal::position)
-        place += input.gain * (places[source_of(input, i)] - slope * static_cast<double>(input.link.delay));
-    }
-    places.push_back(place);
-  }
-  return places.back();
-}
-
 }  // namespace
 
 double start_place(const PlatoonModel& model, std::size_t follower) {
   const double slope = start_slope(model), place = place_in_formation(model, follower);
   if (!starts_steady(model)) return place;
   const double leader = model.recorded_leader.empty() ? 0.0 - slope : model.recorded_leader.front();
-  if (!hears_predecessors_only(model)) return leader + steady_place(model, follower, slope);
+  if (!hears_predecessors_only(model)) {
+    const auto late = [slope](const VehicleModel&, const Input& input) {
+      return input.signal == InputSignal::position ? slope * static_cast<double>(input.link.delay) : 0.0;
+    };
+    return leader + steady_places(model, follower, slope, late).back();
+  }
   return leader + place + slope * place_of(model, follower, [](const VehicleModel& own) {
                             return own.headway + static_cast<double>(own.position().link.delay);
                           });

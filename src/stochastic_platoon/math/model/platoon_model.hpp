@@ -171,6 +171,15 @@ std::size_t farthest_ahead(const PlatoonModel& model);
 /// it hears its predecessor alone.
 double spacing_in_vehicles(const VehicleModel& vehicle, std::size_t follower);
 
+/// The sum of F_j / T_s over the speeds that a vehicle hears, the gain of its own D y (see Input) [1/s^2].
+double own_speed_gain(const VehicleModel& vehicle, double sample_period);
+
+/// Places of vehicles 0 .. followers in steady motion by `slope` per step, where no vehicle has a spacing error [m]:
+/// that of i is the sum of w_j (y_s(j) - late_j) minus that of w_j d_j (slope h + delta). `late` [m] is what the
+/// received position lags behind; of any other input, by how much it holds the vehicle back.
+std::vector<double> steady_places(const PlatoonModel& model, std::size_t followers, double slope,
+                                  const std::function<double(const VehicleModel& own, const Input& input)>& late);
+
 /// Whether the platoon is the paper's: homogeneous, over channels that only add white noise.
 bool is_papers(const PlatoonModel& model);
 

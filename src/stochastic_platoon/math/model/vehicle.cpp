@@ -5,21 +5,12 @@
 
 #include "stochastic_platoon/math/model/limited_vehicle.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/multiples.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 
 namespace detail {
-
-PLATOON_VECTOR_CLONES
-void scale(double factor, const double* in, std::size_t count, double* out) {
-  for (std::size_t r = 0; r < count; ++r) out[r] = factor * in[r];
-}
-
-PLATOON_VECTOR_CLONES
-void add_scaled(double factor, const double* in, std::size_t count, double* out) {
-  for (std::size_t r = 0; r < count; ++r) out[r] = out[r] + factor * in[r];
-}
 
 PLATOON_VECTOR_CLONES
 void add_own_motion(double speed, double acceleration, const double* y0, const double* y1, const double* y2,
@@ -43,10 +34,7 @@ FollowerVehicle::FollowerVehicle(const PlatoonModel& model, const WhiteNoise& no
   offset_ = spacing * own.standstill_distance;
   if (own.radio() != nullptr) feed_forward_gain_ = own.radio()->gain;
   if (own.hears_predecessor_only()) return;
-  sums_ = Sums{own.inputs, 0.0, own.own_acceleration / (period * period)};
-  for (const Input& input : own.inputs) {
-    if (input.signal == InputSignal::speed) sums_->own_speed += input.gain / period;
-  }
+  sums_ = Sums{own.inputs, own_speed_gain(own, period), own.own_acceleration / (period * period)};
   feed_forward_gain_ = 1.0;
 }
 
@@ -90,7 +78,7 @@ void FollowerVehicle::sum(const Received& received) {
     const bool is_position = input.signal == InputSignal::position;
     bool& has = is_position ? has_position : has_other;
     AlignedValues& sum = is_position ? sums_->position : sums_->forward;
-    (has ? detail::add_scaled : detail::scale)(input.gain, received[n], count, sum.data());
+    (has ? add_multiple : set_multiple)(input.gain, received[n], count, sum.data());
     has = true;
   }
   if (!has_other) std::fill(sums_->forward.begin(), sums_->forward.end(), 0.0);

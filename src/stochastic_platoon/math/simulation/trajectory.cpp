@@ -55,7 +55,7 @@ void for_each_trajectory(const PlatoonModel& model, const WhiteNoise& noise, std
   const double slope = start_slope(model);
   const std::size_t farthest = farthest_ahead(model);
   const Trajectory leader = of_leader(model, count, sends_input(model, 0, followers) || has_limits(model));
-  std::deque<Trajectory> ahead{leader};  // of the vehicles directly ahead, the nearest first
+  std::deque<Trajectory> ahead{leader};  // trajectories of the vehicles directly ahead, the nearest first
   take(leader);
   for (std::uint32_t i = 1; i <= followers; ++i) {
     const std::vector<Input>& inputs = vehicle(model, i).inputs;

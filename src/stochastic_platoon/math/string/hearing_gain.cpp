@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <complex>
 
@@ -23,7 +24,6 @@ HearingGain::HearingGain(const PlatoonModel& model)
 
 double HearingGain::operator()(double w) const {
   const CirclePoint point(w);
-  const std::complex<double> z = std::polar(1.0, w), moved = 1.0 - std::conj(z);
   const auto r = static_cast<Eigen::Index>(reach_);
   Eigen::MatrixXcd product = Eigen::MatrixXcd::Identity(r, r);
   for (std::size_t p = 0; p < period_; ++p) {
@@ -36,14 +36,11 @@ double HearingGain::operator()(double w) const {
       const Input& input = own.inputs[j];
       const std::size_t source = source_of(input, follower);
       if (source == 0) continue;
-      std::complex<double> sent = std::pow(std::conj(z), static_cast<double>(input.link.delay));
-      const double period = model_.sample_period;
-      if (input.signal == InputSignal::speed) sent *= moved / period;
-      if (input.signal == InputSignal::acceleration) sent *= moved * moved / (period * period);
-      if (input.signal == InputSignal::input) sent *= loops_[(source - 1) % period_].at(point).sent;
-      if (input.link.loses()) sent *= static_cast<std::complex<double>>(losses_[p][j].at(point).passed);
+      const std::complex<double> of_source =
+          input.signal == InputSignal::input ? loops_[(source - 1) % period_].at(point).sent : 0.0;
       companion(0, static_cast<Eigen::Index>(follower - source) - 1) +=
-          input.gain * sent * (input.signal == InputSignal::position ? value.of_position : value.of_input);
+          value.of(input) * sent_value(input, point, of_source, model_.sample_period) *
+          static_cast<std::complex<double>>(losses_[p][j].at(point).passed);
     }
     product = companion * product;
   }
@@ -52,7 +49,8 @@ double HearingGain::operator()(double w) const {
 
 HearingGain::Peak HearingGain::peak() const {
   constexpr int kPoints = 4000;
-  constexpr double kRounding = 1e-12;  // of a gain
+  constexpr double kRounding = 1e-12;  // gains that differ by less are equal
+  constexpr int kBits = 26;            // of the frequency of a maximum: no more are seen in the gain
   const double pi = boost::math::double_constants::pi;
   const auto at = [pi](int j) { return pi * std::exp(std::log(1e-5) * (1.0 - static_cast<double>(j) / kPoints)); };
   std::vector<double> gains;
@@ -67,13 +65,9 @@ HearingGain::Peak HearingGain::peak() const {
     best = gains[n] > best.gain ? Peak{gains[n], at(j)} : best;
     const bool is_top = gains[n] >= before && gains[n] >= behind;
     if (!is_top || gains[n] - std::min(before, behind) < kRounding) continue;
-    double left = at(std::max(j - 1, 0)), right = at(std::min(j + 1, kPoints));
-    for (int round = 0; round < 80; ++round) {
-      const double one = left + (right - left) / 3.0, other = right - (right - left) / 3.0;
-      ((*this)(one) < (*this)(other) ? left : right) = (*this)(one) < (*this)(other) ? one : other;
-    }
-    const double w = 0.5 * (left + right), gain = (*this)(w);
-    if (gain > best.gain) best = {gain, w};
+    const auto found = boost::math::tools::brent_find_minima(
+        [this](double w) { return -(*this)(w); }, at(std::max(j - 1, 0)), at(std::min(j + 1, kPoints)), kBits);
+    if (-found.second > best.gain) best = {-found.second, found.first};
   }
   return best;
 }

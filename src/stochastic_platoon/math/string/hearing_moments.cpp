@@ -14,11 +14,6 @@ namespace {
 
 using Sequence = MeanVehicle::Sequence;
 
-/// Deviations of a vehicle from step -1 on.
-struct Motion {
-  Sequence position, input;
-};
-
 /// One follower as an operator on the deviations of those ahead.
 class Hearer {
 public:
@@ -27,12 +22,9 @@ public:
         follower_(follower),
         parts_(loop_parts<long double>(*own_.design, own_.headway)),
         period_(model.sample_period),
-        speed_(0.0L),
+        speed_(own_speed_gain(own_, model.sample_period)),
         acceleration_(own_.own_acceleration / (period_ * period_)) {
     parts_.spacing *= static_cast<long double>(spacing_in_vehicles(own_, follower));
-    for (const Input& input : own_.inputs) {
-      if (input.signal == InputSignal::speed) speed_ += static_cast<long double>(input.gain) / period_;
-    }
   }
 
   /// `all`: vehicles 0 .. follower - 1. `noise`: on one input, from step -1 on; empty: none. `placed`: the own initial
@@ -147,37 +139,17 @@ private:
       const FollowerSignals of = signals_of(model_, names_, i);
       for (std::size_t s = 0; s < moments_.size(); ++s) {
         const Signal& signal = s == 0 ? of.error : of.requested[s - 1];
-        const Sequence values = response(signal, all[i - 1], all[i]);
-        add_products(values, 0, !noise.empty(), i, period, variance, moments_[s].variance);
+        const ResponseProducts products(signal_values(signal, all[i - 1].position, all[i]), !noise.empty());
+        add_products(products.variance, i, period, variance, moments_[s].variance);
         if (!moments_[s].covariance_with_previous.empty())
-          add_products(values, 1, !noise.empty(), i, period, variance, moments_[s].covariance_with_previous);
+          add_products(products.covariance, i, period, variance, moments_[s].covariance_with_previous);
       }
     }
   }
 
-  Sequence response(const Signal& signal, const Motion& predecessor, const Motion& own) const {
-    if (signal.is_input) return own.input;
-    Sequence values = own.position;
-    for (int n = 0; n < signal.order; ++n) {
-      for (std::size_t a = values.size(); --a > 0;) values[a] -= values[a - 1];
-      values[0] = 0.0L;
-    }
-    for (std::size_t a = 0; a < values.size(); ++a) {
-      values[a] = signal.order > 0 ? static_cast<long double>(signal.factor) * values[a] : 0.0L;
-      if (signal.relative) values[a] += predecessor.position[a] - own.position[a];
-    }
-    return values;
-  }
-
-  // Adds the products of a response with itself `lag` steps earlier: summed over the steps for noises.
-  void add_products(const Sequence& response, std::size_t lag, bool sums, std::size_t follower, std::size_t period,
-                    double variance, std::vector<double>& cells) const {
-    Sequence products;
-    for (std::size_t a = 1; a < response.size(); ++a) {
-      const long double product = response[a] * response[a - lag];
-      products.push_back(sums && a > 1 ? products.back() + product : product);
-    }
-    // A follower hears this source, and those whole patterns farther back from the same distance.
+  // A follower hears a source, and those whole patterns farther back from the same distance.
+  void add_products(const Sequence& products, std::size_t follower, std::size_t period, double variance,
+                    std::vector<double>& cells) const {
     for (std::size_t i = follower; i <= followers_; i += period) {
       for (std::size_t k = 0; k < steps_; ++k)
         cells[(i - 1) * steps_ + k] += static_cast<double>(static_cast<long double>(variance) * products[k]);

@@ -34,6 +34,7 @@ HearingScatter::HearingScatter(const LossModel& loss, std::size_t n) : kernel_(l
     inward_.col(k) = value.remembered;
     mirrored_.col(k) = value.mirrored;
   }
+  itself_ = (kernel_.itself().cast<std::complex<double>>() * scattered_).real().array().transpose();
 }
 
 Eigen::ArrayXcd HearingScatter::operator()(const Eigen::ArrayXcd& sent) const {
@@ -41,10 +42,9 @@ Eigen::ArrayXcd HearingScatter::operator()(const Eigen::ArrayXcd& sent) const {
   const double share = 1.0 / static_cast<double>(f.size());  // a mean over +-nu is that of real parts
   const Eigen::VectorXcd ahead = ((scattered_ * f.matrix()).real() * share).cast<std::complex<double>>(),
                          behind = ((scattered_ * f.conjugate().matrix()).real() * share).cast<std::complex<double>>();
-  const Eigen::RowVectorXd itself = (kernel_.itself().cast<std::complex<double>>() * scattered_).real();
   Eigen::ArrayXcd result = (outward_.transpose() * ahead).array() +
                            (outward_.transpose() * behind).array().conjugate() -
-                           std::complex<double>(share * (itself.array().transpose() * f.real()).sum());
+                           std::complex<double>(share * (itself_ * f.real()).sum());
   if (recalling_.rows() > 0) result += remembered(f) + remembered(f.conjugate()).conjugate();
   return result;
 }

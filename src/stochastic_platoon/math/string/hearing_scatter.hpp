@@ -33,7 +33,7 @@ private:
   bool forgets_;
   double passed_at_rest_;
   Eigen::ArrayXcd passed_;
-  Eigen::ArrayXd drive_, of_steady_;                  ///< |u|^2; g(w, 0)
+  Eigen::ArrayXd drive_, of_steady_, itself_;         ///< |u|^2; g(w, 0); e' sum_c V_c
   Eigen::MatrixXcd outward_, scattered_, recalling_;  ///< l, V and a, a column per frequency
   Eigen::MatrixXcd inward_, mirrored_;                ///< b at nu and at -nu, a column per frequency
   mutable Eigen::FFT<double> fft_;

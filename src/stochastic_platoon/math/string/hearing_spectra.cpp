@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
-#include <cmath>
+#include <optional>
 
 #include "stochastic_platoon/math/links/link_filter.hpp"
 #include "stochastic_platoon/math/model/hearing_loop.hpp"
@@ -12,22 +12,6 @@
 namespace platoon {
 
 namespace {
-
-// z^-m S of an input, given 1 / G of its source.
-std::complex<double> sent_value(const Input& input, std::complex<double> z, std::complex<double> moved,
-                                std::complex<double> of_input, double period) {
-  const std::complex<double> delay = std::pow(std::conj(z), static_cast<double>(input.link.delay));
-  switch (input.signal) {
-    case InputSignal::position:
-      return delay;
-    case InputSignal::speed:
-      return delay * moved / period;
-    case InputSignal::acceleration:
-      return delay * moved * moved / (period * period);
-    default:
-      return delay * of_input;
-  }
-}
 
 // What a lost value lacks while the platoon moves steadily.
 double steady_drive(const Input& input, const HearingScatter& losses, double speed, double period) {
@@ -54,14 +38,16 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
   const auto half = static_cast<Eigen::Index>(n_ / 2);
   const HearingLoop loop(own, follower, period);
   std::vector<LinkFilter> links;
-  std::vector<HearingLoop> sources;
+  std::vector<std::optional<HearingLoop>> sources;  // of control inputs
   for (std::size_t j = 0; j < own.inputs.size(); ++j) {
     const Input& input = own.inputs[j];
     const std::size_t source = source_of(input, follower);
     LinkModel lossless = input.link;
     lossless.loss.reset();
     links.emplace_back(lossless, input.noise_variance);
-    sources.emplace_back(platoon::vehicle(model_, source), std::max<std::size_t>(source, 1), period);
+    sources.emplace_back();
+    if (input.signal == InputSignal::input)
+      sources.back().emplace(platoon::vehicle(model_, source), std::max<std::size_t>(source, 1), period);
     of.inputs.push_back({source == 0 ? 0 : follower - source,
                          Eigen::ArrayXcd(half),
                          Eigen::ArrayXcd(half),
@@ -70,7 +56,7 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
                          0.0});
     if (!input.link.loss || input.link.loss->probability == 0.0) continue;
     const std::size_t first = own.losses_of(j);
-    if (first == j) of.packets.push_back({{}, std::make_shared<HearingScatter>(*input.link.loss, n_)});
+    if (first == j) of.packets.push_back({{}, scatter(*input.link.loss)});
     const auto packet = std::find_if(of.packets.begin(), of.packets.end(), [&](const Vehicle::Packet& shared) {
       return shared.inputs.empty() || shared.inputs.front() == first;
     });
@@ -82,17 +68,13 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
     check_interruption();
     const CirclePoint point(2.0 * boost::math::double_constants::pi * (static_cast<double>(k) + 0.5) /
                             static_cast<double>(n_));
-    const bool near = point.centre == Centre::kOne;
-    const std::complex<long double> s = near ? point.offset : point.offset - 2.0L;
-    const std::complex<double> z(1.0L + s), moved(s * std::conj(1.0L + s));
+    const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));  // 1 - 1/z
     const HearingLoop::Value value = loop.at(point);
     of.policy(k) = 1.0 + own.headway * moved;
     for (std::size_t j = 0; j < own.inputs.size(); ++j) {
-      const Input& input = own.inputs[j];
-      of.inputs[j].own(k) = input.gain * (input.signal == InputSignal::position ? value.of_position : value.of_input);
-      of.inputs[j].sent(k) =
-          sent_value(input, z, moved,
-                     input.signal == InputSignal::input ? sources[j].at(point).sent : std::complex<double>(), period);
+      const std::complex<double> of_source = sources[j] ? sources[j]->at(point).sent : 0.0;
+      of.inputs[j].own(k) = value.of(own.inputs[j]);
+      of.inputs[j].sent(k) = sent_value(own.inputs[j], point, of_source, period);
       of.inputs[j].noise(k) = links[j].noise(point);
     }
   }
@@ -101,6 +83,15 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
     for (const std::size_t j : packet.inputs) of.inputs[j].transfer *= packet.losses->passed();
   }
   return of;
+}
+
+// Links with the same losses share their scatter.
+std::shared_ptr<const HearingScatter> HearingSpectra::scatter(const LossModel& loss) const {
+  for (const auto& known : scatters_) {
+    if (known.first == loss) return known.second;
+  }
+  scatters_.emplace_back(loss, std::make_shared<HearingScatter>(loss, n_));
+  return scatters_.back().second;
 }
 
 std::vector<Eigen::ArrayXcd> HearingSpectra::transfers(std::size_t follower) const {

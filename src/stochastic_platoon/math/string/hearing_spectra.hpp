@@ -60,11 +60,14 @@ public:
   static double mean(const Eigen::ArrayXd& values) { return values.mean(); }
 
 private:
+  std::shared_ptr<const HearingScatter> scatter(const LossModel& loss) const;
+
   PlatoonModel model_;
   std::size_t n_, reach_;
   double speed_;  ///< [m] per step
   mutable std::map<std::pair<std::size_t, std::size_t>, Vehicle>
       vehicles_;  ///< by place in the pattern and near the leader
+  mutable std::vector<std::pair<LossModel, std::shared_ptr<const HearingScatter>>> scatters_;
 };
 
 }  // namespace platoon

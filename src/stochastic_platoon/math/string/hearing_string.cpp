@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <optional>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
@@ -63,6 +65,18 @@ std::vector<double> settled(const PlatoonModel& model,
     if (n >= kMost) throw std::invalid_argument("the spectra of the string are too narrow to integrate");
     coarse.swap(fine);
   }
+}
+
+// Of steady_places(), with losses on average. A lost speed that counts as 0 acts through 1 / K at rest.
+double lateness(const VehicleModel& own, const Input& input, double speed, double period) {
+  const std::optional<LossModel> loss = input.link.loses() ? input.link.loss : std::nullopt;
+  if (input.signal == InputSignal::position)
+    return speed * (static_cast<double>(input.link.delay) + (loss ? LossFilter(*loss).lag() : 0.0));
+  if (input.signal != InputSignal::speed || !loss || !loss->predictor.empty()) return 0.0;
+  const ExactTransfer& controller = own.design->controller.exact();
+  const Exact at_rest =
+      controller.denominator.front() == 0 ? Exact(0) : controller.denominator.front() / controller.numerator.front();
+  return at_rest.convert_to<double>() * input.gain * loss->probability * speed / period;
 }
 
 // Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.
@@ -132,28 +146,19 @@ std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t fol
 
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {
   require_theory(model);
+  if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
   const double speed = metres_per_step(model);
-  std::vector<double> places{0.0}, means;
+  std::map<const Input*, double> known;  // the inputs of a type serve all its vehicles
+  const auto late = [&](const VehicleModel& own, const Input& input) {
+    const auto inserted = known.emplace(&input, 0.0);
+    if (inserted.second) inserted.first->second = lateness(own, input, speed, model.sample_period);
+    return inserted.first->second;
+  };
+  const std::vector<double> places = steady_places(model, followers, speed, late);
+  std::vector<double> means;
   for (std::size_t i = 1; i <= followers; ++i) {
     const VehicleModel& own = vehicle(model, i);
-    const ExactTransfer& controller = own.design->controller.exact();
-    const double at_rest =
-        controller.denominator.front() == 0
-            ? 0.0
-            : Exact(controller.denominator.front() / controller.numerator.front()).convert_to<double>();
-    double place = -spacing_in_vehicles(own, i) * (speed * own.headway + own.standstill_distance);
-    for (const Input& input : own.inputs) {
-      const bool loses = input.link.loses();
-      if (input.signal == InputSignal::position) {
-        const double lag = static_cast<double>(input.link.delay) + (loses ? LossFilter(*input.link.loss).lag() : 0.0);
-        place += input.gain * (places[source_of(input, i)] - speed * lag);
-      } else if (input.signal == InputSignal::speed && loses && input.link.loss->predictor.empty()) {
-        place -= at_rest * input.gain * input.link.loss->probability * speed / model.sample_period;
-      }
-    }
-    means.push_back(is_mean_square_stable(model) ? places.back() - place - speed * own.headway - own.standstill_distance
-                                                 : kNaN);
-    places.push_back(place);
+    means.push_back(places[i - 1] - places[i] - speed * own.headway - own.standstill_distance);
   }
   return means;
 }

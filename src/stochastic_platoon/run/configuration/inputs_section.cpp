@@ -77,7 +77,8 @@ Input read_input(Section& section, InputSignal signal, bool first, const Vehicle
 }
 
 // The inputs of a packet share the losses of the first of them.
-void share_losses(Section& section, std::vector<Input>& inputs, const VehicleModel& vehicle) {
+void share_losses(Section& section, VehicleModel& vehicle) {
+  std::vector<Input>& inputs = vehicle.inputs;
   for (std::size_t n = 0; n < inputs.size(); ++n) {
     const std::size_t first = vehicle.losses_of(n);
     if (first == n) continue;
@@ -136,7 +137,7 @@ GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unst
     std::swap(inputs.front(), inputs.back());
   vehicle.inputs = std::move(inputs);
   check_positions(section, vehicle);
-  share_losses(section, vehicle.inputs, vehicle);
+  share_losses(section, vehicle);
   const auto only_once = [&](const char* key, bool twice) {
     if (twice && section.has(key)) section.reject(key, "given", "absent beside that of the position in inputs");
   };
@@ -147,39 +148,28 @@ GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unst
 
 namespace {
 
-// Of a vehicle that hears others than its predecessor: each input with all its values.
-nlohmann::json full_inputs(const VehicleModel& vehicle) {
-  nlohmann::json inputs = nlohmann::json::array();
-  for (const Input& input : vehicle.inputs) {
-    nlohmann::json& written = inputs.emplace_back();
-    written = {{"signal", name_of(input.signal)}, {"noise_variance", input.noise_variance}};
-    written[input.signal == InputSignal::position ? "weight" : "gain"] = input.gain;
-    if (input.ahead == Input::kLeader) {
-      written["from"] = "leader";
-    } else if (input.ahead > 1) {
-      written["from"] = input.ahead;
-    } else {
-      written["from"] = "predecessor";
-    }
-    nlohmann::json channel = to_json(input.link);
-    if (!input.packet.empty()) channel["packet"] = input.packet;
-    if (!channel.empty()) written["channel"] = channel;
+nlohmann::json to_json(const Input& input) {
+  nlohmann::json written = {{"signal", name_of(input.signal)}, {"noise_variance", input.noise_variance}};
+  written[input.signal == InputSignal::position ? "weight" : "gain"] = input.gain;
+  if (input.ahead == Input::kLeader) {
+    written["from"] = "leader";
+  } else if (input.ahead > 1) {
+    written["from"] = input.ahead;
+  } else {
+    written["from"] = "predecessor";
   }
-  return inputs;
+  nlohmann::json channel = to_json(input.link);
+  if (!input.packet.empty()) channel["packet"] = input.packet;
+  if (!channel.empty()) written["channel"] = channel;
+  return written;
 }
 
 }  // namespace
 
 nlohmann::json inputs_json(const VehicleModel& vehicle) {
-  if (!vehicle.hears_predecessor_only()) return full_inputs(vehicle);
-  nlohmann::json inputs = {{{"signal", "position"}, {"from", "predecessor"}}};
-  if (const Input* const radio = vehicle.radio()) {
-    inputs.push_back({{"signal", name_of(radio->signal)},
-                      {"from", "predecessor"},
-                      {"gain", radio->gain},
-                      {"noise_variance", radio->noise_variance},
-                      {"channel", to_json(radio->link)}});
-  }
+  nlohmann::json inputs = nlohmann::json::array();
+  for (const Input& input : vehicle.inputs) inputs.push_back(to_json(input));
+  if (vehicle.hears_predecessor_only()) inputs.front() = {{"signal", "position"}, {"from", "predecessor"}};
   return inputs;
 }
 

@@ -140,12 +140,13 @@ void read_string(Section& document, PlatoonModel& model) {
 }
 
 void check_assumptions(const PlatoonModel& model, Section& document) {
+  const bool plain = hears_predecessors_only(model);
+  const std::size_t farthest = farthest_ahead(model);
   for (const VehicleType& type : model.types) {
     const bool is_default = &type == &model.types.front();
-    const bool plain = hears_predecessors_only(model);
     for (const std::string& problem :
          plain ? violated_assumptions(type.vehicle.loop, type.vehicle.headway, model.allow_unstable)
-               : violated_assumptions(type.vehicle, model.sample_period, farthest_ahead(model), model.allow_unstable)) {
+               : violated_assumptions(type.vehicle, model.sample_period, farthest, model.allow_unstable)) {
       if (is_default) document.report_whole(problem);
       if (!is_default) document.report("vehicle_types/" + type.name + ": " + problem);
     }

@@ -55,15 +55,18 @@ inputs:
   - {signal: position, from: leader, weight: 0.3, noise_variance: 0.04}
   - {signal: input, gain: 0.4, noise_variance: 0.01, channel: {delay: 1}})";
 
-std::string packet(const std::string& loss) {
-  return R"(
+// Up to its radar.
+const std::string kRadioCar = R"(
 sample_period: 0.1
 time_headway: 6
 standstill_distance: 2.0
 plant: {actuator_lag: 0.3}
 controller: {kp: 0.5, kd: 1.2, headway_filter: true}
 inputs:
-  - {signal: position, noise_variance: 0.01}
+  - {signal: position, noise_variance: 0.01})";
+
+std::string packet(const std::string& loss) {
+  return kRadioCar + R"(
   - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, packet: radio, loss: )" +
          loss + R"(}}
   - {signal: speed, gain: 0.3, noise_variance: 0.03, channel: {packet: radio}})";
@@ -113,16 +116,8 @@ TEST(HearingString, HasTablesThatSettleToTheStationaryValues) {
 }
 
 TEST(HearingString, IsThatOfPredecessorsWhereTheyAreHeardAlone) {
-  const std::string plain = R"(
-sample_period: 0.1
-time_headway: 6
-standstill_distance: 2.0
-plant: {actuator_lag: 0.3}
-controller: {kp: 0.5, kd: 1.2, headway_filter: true}
-inputs:
-  - {signal: position, noise_variance: 0.01}
-  - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, loss: {probability: 0.2, mean_burst: 3}}})";
-  const PlatoonModel model = model_of(plain);
+  const PlatoonModel model = model_of(kRadioCar + R"(
+  - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, loss: {probability: 0.2, mean_burst: 3}}})");
   ASSERT_TRUE(hears_predecessors_only(model));
   const std::vector<double> expected = stationary_variances(model, 8), found = hearing_variances(model, 8);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-10) << i;
