@@ -4,6 +4,7 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <exception>
 #include <set>
 #include <thread>
@@ -12,12 +13,14 @@
 #include "python/interruption.hpp"
 #include "python/model.hpp"
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis_report.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
 #include "stochastic_platoon/run/results/result_check.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
@@ -157,6 +160,21 @@ py::dict vehicle_of(const Model& model, std::size_t index) {
   return object_of(document);
 }
 
+// What the manoeuvres of the leader are; null: without bound.
+py::object manoeuvres_of(const Model& model) {
+  const ManoeuvreBounds of = LeaderVehicle(model.model()).manoeuvre().bounds();
+  const auto interval = [](const Interval& values) {
+    const auto bound = [](double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(); };
+    return nlohmann::json{bound(values.lower), bound(values.upper)};
+  };
+  return plain_object_of({{"speed", interval(of.speed)},
+                          {"acceleration", interval(of.acceleration)},
+                          {"brake", {{"acceleration", of.braking}}},
+                          {"accelerate", {{"acceleration", of.speed_up}, {"speed", of.speed_added}}},
+                          {"cruise", {{"acceleration", interval(of.back)}}},
+                          {"sinusoid", {{"speed", of.amplitude}, {"seconds", of.seconds}}}});
+}
+
 // G(z) of the default vehicle: numerator and denominator by descending powers of z.
 py::tuple plant_of(const Model& model) {
   const std::optional<LoopDesign>& design = model.model().default_vehicle().design;
@@ -174,6 +192,9 @@ py::tuple plant_of(const Model& model) {
 PYBIND11_MODULE(_platoon, module) {
   register_exceptions();
   module.attr("version") = kVersion;
+  module.attr("fastest_car") = kFastestCar;
+  module.attr("hardest") = kHardest;
+  module.attr("reversing") = kReversing;
   module.def(
       "shipped_file", [](const std::string& name, const std::string& folder) { return shipped_file(name, folder); },
       py::arg("name"), py::arg("folder"));
@@ -183,6 +204,7 @@ PYBIND11_MODULE(_platoon, module) {
       .def_static("parse", &Model::parse, py::arg("text"))
       .def("replaced", &Model::replaced, py::arg("changes"))
       .def("document", [](const Model& model) { return plain_object_of(model.document()); })
+      .def("manoeuvres", &manoeuvres_of)
       .def("vehicle", &vehicle_of, py::arg("index"))
       .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); });
 

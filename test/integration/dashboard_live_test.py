@@ -37,7 +37,7 @@ const values = () => Array.from({length: followers}, () => 2 + Math.random());
 let step = first;
 function frame() {
   for (let j = 0; j < 600 && step < first + snapshots; ++j, ++step) {
-    tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5), speed: [20, ...values()]});
+    tell("snapshot", {realization: 0, step, position: [2 * step, ...values().map((v, i) => 2 * step - 6 * i - v)], tracking_error: values().map(v => v - 2.5), speed: [20, ...values()], acceleration: [], colliding: []});
     tell("received", {realization: 0, step, position: values().map((v, i) => 2 * step - 6 * i - v)});
     if (step % 20) continue;
     const [v, t] = [values(), values()];
@@ -145,6 +145,10 @@ class Live(OnePlatoon):
             status, answer = ask(self.url, "POST", "/command", json.dumps(dict(wrong, command="change")), **own)
             self.assertEqual((status, answer["success"]), (409, False))
             self.assertIn(words, answer["message"])
+        for speed in (-1000.5, 1001):
+            status, answer = ask(self.url, "POST", "/command", json.dumps({"command": "speed", "speed": speed}), **own)
+            self.assertEqual((status, answer["success"]), (409, False))
+            self.assertIn("must be from -1000 to 1000 m/s, which the leader reaches", answer["message"])
         self.steps_on()
 
     def test_the_pages_memory_does_not_grow_over_an_hour(self):

@@ -15,8 +15,8 @@ ROWS = "must be a list of rows of finite numbers, all of one length"
 MAPPING = "must be a mapping of keys"
 COUNT = "must be a whole number from {} to 70368744177664"
 HUGE = "must be at most 1e+100 in magnitude"
-ALLOWED = ("allowed are allow_unstable, channel, closed_loop, controller, initial_position, inputs, leader, limits, noise_variance, plant, safe_gap, "
-           "sample_period, standstill_distance, start, string, time_headway, time_headway_seconds, vehicle_length, vehicle_types")
+ALLOWED = ("allowed are allow_unstable, channel, closed_loop, controller, initial_position, inputs, leader, limits, noise_variance, own_acceleration, plant, "
+           "safe_gap, sample_period, spacing, standstill_distance, start, string, time_headway, time_headway_seconds, vehicle_length, vehicle_types")
 
 # A part of the paper's model file, its replacement, and the message.
 REPLACED = [

@@ -130,7 +130,7 @@ class Live(LaunchTest):
             last = [message for _, message, _ in recorded.read_messages()][-1].markers
         shown = {marker.ns: marker for marker in last}
         bodies = [point.x for point in shown["bodies"].points]
-        self.assertEqual((len(bodies), bodies[0]), (4, 0.0))
+        self.assertEqual((len(bodies), bodies[0] + 0.5 * shown["bodies"].scale.x), (4, 0.0), "the front of the leader is at its position")
         self.assertEqual(bodies, sorted(bodies, reverse=True))
         self.assertEqual(len(shown["wheels"].points), 16)
         labels = [marker.text for marker in last if marker.ns == "labels"]

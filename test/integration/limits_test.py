@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 import numpy as np
+import stochastic_platoon as sp
 
 import limits_reference
 import live_platoon
@@ -169,6 +170,40 @@ class Limits(Model, FolderTest):
         self.rejected("vehicle_types/given/limits: given: must be absent beside closed_loop",
                       vehicle_types={"given": {"time_headway": 2.0, "limits": {"input": [-1.0, 1.0]},
                                                "closed_loop": {"A": [[0.75, 0.375], [-0.125, 0.0]], "B": [0.25, 0.0], "C": [1.0, 0.0]}}})
+
+
+class ShippedExamples(unittest.TestCase):
+    """Every shipped model drives like cars, or its file says that it is a textbook loop."""
+
+    def closest(self, model, leader=None):
+        """The least speed [m/s] and the least gap [m] of 20 followers in two minutes, or behind the drive."""
+        model = model.replace(leader=leader) if leader else model
+        steps = len(model.to_dict()["leader"]["positions"]) - 1 if leader else round(120.0 / model.sample_period)
+        found = sp.trajectories(model, 0, followers=20, steps=steps)
+        return np.nanmin(found["speed"][1:]), np.nanmin(found["gap"][1:])
+
+    def test_no_car_reverses_or_overlaps_but_a_textbook_loop_that_says_so(self):
+        folder = live_platoon.shared("config")
+        names = sorted(name for name in os.listdir(folder) if name.endswith(".yaml"))
+        textbook = []
+        for name in names:
+            with open(os.path.join(folder, name)) as file:
+                text = " ".join(file.read().split())
+            if "textbook loop, not " in text:
+                textbook.append(name)
+                continue
+            model = sp.Model.load(name)
+            leaders = ["emergency_stop.csv", "city.csv"] if "limits" in model.to_dict() else []
+            for leader in [None] + leaders:
+                with self.subTest(name=name, leader=leader):
+                    speed, gap = self.closest(model, leader)
+                    self.assertGreater(speed, sp.model.REVERSING)
+                    self.assertGreater(gap, 0.0)
+        self.assertEqual(textbook, ["closed_loop.yaml", "lossy.yaml", "mixed.yaml", "paper.yaml", "paper_at_rest.yaml", "paper_nonzero.yaml",
+                                    "receiver_filter.yaml"])
+
+    def test_a_textbook_loop_does_reverse(self):
+        self.assertLess(self.closest(sp.Model.load())[0], sp.model.REVERSING)
 
 
 if __name__ == "__main__":

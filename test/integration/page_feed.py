@@ -67,6 +67,12 @@ class Fed(unittest.TestCase):
                     variance_score=[0.5] * n, reason="string stable: abs(T) stays below 1 for all w > 0: its largest value away from 0 is 0.94",
                     limit_variance=theory[-1] * 1.05, stable_headways=[2.8, 320.0]), **changes)), 0.1 * step)
 
+    def drive_seen(self, steps, **changes):
+        """The same, and the open page gets every snapshot: a stream keeps the latest one alone."""
+        for step in steps:
+            self.drive([step], **changes)
+            live_platoon.wait_for(lambda: not any(stream.waiting for stream in self.server.streams.streams), "the page to take step {}".format(step), 20.0)
+
     def at_both_sizes(self, name):
         """Yields at each size, after the checks that apply to every state."""
         for width, height in SIZES:

@@ -8,7 +8,7 @@ import unittest
 import stochastic_platoon as sp
 
 import live_platoon
-from page_feed import BURN_IN, Fed, endless, message, snapshot
+from page_feed import BURN_IN, Fed, configuration, endless, message, snapshot
 
 OUTSIDE = """return [...document.querySelectorAll("#controls button, #controls input, #pause, #verdict")].filter(element => {
   const {left, top, right, bottom} = element.getBoundingClientRect();
@@ -95,6 +95,38 @@ class States(Fed):
         self.drive(range(0, 1), mean=[math.nan] * 500, variance=[math.nan] * 500)
         self.text_comes("#string-note", "theory; burn-in until step 200, 20 s of driving from now")
 
+    def check_provisional(self, followers):
+        pale = "document.querySelectorAll('#string rect.provisional').length"
+        self.begin(followers)
+        nothing = [math.nan] * followers
+        early = [2.0 + math.sin(i) for i in range(followers)]
+        self.drive(range(0, 100), mean=nothing, variance=nothing, standard_error=nothing, variance_score=nothing, provisional_mean=[0.1] * followers, provisional_variance=early)
+        self.open()
+        self.wait_for_page("{} == {}".format(pale, followers), "pale bars")
+        self.browser.run("document.getElementById('table-card').open = true")
+        for _ in self.at_both_sizes("provisional-{}".format(followers)):
+            self.text_comes("#string-note", "provisional averages up to step 90 (9 s): burn-in until step 200, 11 s of driving from now")
+            self.text_comes("#curves-note", "provisional averages up to k")
+            self.text_comes("#string-key", "provisional, until the burn-in is over")
+            self.text_comes("#table tbody tr:nth-child(2) td:nth-child(3)", "~ 2.84147")
+            self.assertEqual(self.browser.run("return ['string-key', 'curves-key'].map(key => document.getElementById(key).hidden)"), [False, False])
+            self.assertGreater(self.browser.run("return document.querySelector('#string rect').getBoundingClientRect().height"), 3)
+        self.browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true}))")
+        self.text_comes("#readout", "Follower 1: provisional variance 2 m")
+        self.drive(range(100, 101), mean=nothing, variance=nothing, provisional_mean=[0.1] * followers, provisional_variance=early, manoeuvre=True, counted_from=301)
+        self.text_comes("#string-note", "provisional averages, paused while the leader manoeuvres: burn-in at the earliest until step 301, 20.1 s of driving from now")
+        self.drive(range(BURN_IN, BURN_IN + 11))
+        self.wait_for_page(pale + " == 0", "full bars")
+        self.text_comes("#string-note", "averages over time up to step 210")
+        self.assertEqual(self.browser.run("return ['string-key', 'curves-key'].map(key => document.getElementById(key).hidden)"), [True, True])
+        self.assertNotIn("~", self.browser.text("#table"))
+
+    def test_averages_are_provisional_and_pale_until_the_burn_in_is_over(self):
+        self.check_provisional(5)
+
+    def test_provisional_averages_of_100_followers(self):
+        self.check_provisional(100)
+
     def test_a_restart_is_an_event_and_a_mark_and_curves_begin_again(self):
         self.begin(20)
         self.drive(range(BURN_IN, BURN_IN + 150))
@@ -131,13 +163,20 @@ class States(Fed):
         entries = [message(key="culprit", value="vehicle_3 has sent nothing since step 299"), message(key="retries", value="2")]
         self.state.take_diagnostics(message(status=[message(name="platoon/monitor: monitor", message="", values=entries)]))
         of = snapshot(300, 20)
-        of.position = [600.0 - 6.4 * i - (9.0 if i == 2 else 0.0) for i in range(21)]  # vehicle 2 is behind vehicle 3
+        of.position = [600.0 - 6.4 * i - (9.0 if i == 2 else 4.0 if i == 8 else 0.0) for i in range(21)]  # vehicle 2 is behind vehicle 3
         self.state.take_snapshot(of)
         for _ in self.at_both_sizes("stopped"):
             self.text_comes("#culprit", "Run stalled: vehicle_3 has sent nothing since step 299 (2 retries)")
             self.text_comes("#log", "run stalled: vehicle_3")
-            self.text_comes("#road-note", "1 overlapping: 3")
+            self.text_comes("#road-note", "1 overlapping: 3")  # a point 2.4 m behind vehicle 8 does not touch it
+            self.text_comes("#conduct", "The cars: follower 3 overlaps the vehicle ahead")
+            self.text_comes("#body-length", "gap below 0, vehicles without length")
             self.wait_for_page("document.getElementById('road').dataset.overlaps === '3'", "the mark")
+            # Only those that overlap are drawn so.
+            bodies = self.browser.run("return JSON.parse(document.getElementById('road').dataset.places)")
+            touching = [i + 1 for i, ((x, lane, long), (behind, same, other)) in enumerate(zip(bodies, bodies[1:]))
+                        if lane == same and x - long / 2 < behind + other / 2 - 1]
+            self.assertEqual(touching, [3])
 
     def test_what_the_cars_do_stands_beside_the_verdict(self):
         self.begin(20, vehicle_length=4.5)
@@ -155,6 +194,37 @@ class States(Fed):
             self.assertEqual(self.browser.text("#body-length"), "gap below 0, length 4.5 m")
         self.begin(20)
         self.wait_for_page("document.getElementById('conduct').hidden", "nothing of the previous run")
+
+    def test_orders_show_what_the_leader_reaches_in_real_units(self):
+        self.begin(5, **sp.Model.load("acc_limits.yaml").to_dict())
+        self.drive(range(BURN_IN, BURN_IN + 21))
+        self.open()
+        for command, words in (("brake", "4 m/s\N{SUPERSCRIPT TWO} until it stands"), ("sinusoid", "\N{PLUS-MINUS SIGN} 2 m/s in 10 s"),
+                               ("accelerate", "2 m/s\N{SUPERSCRIPT TWO}, 10 m/s faster, to 40 m/s at most"),
+                               ("cruise", "back, by -2 to 2 m/s\N{SUPERSCRIPT TWO}"), ("speed", "0 to 40 m/s, by -6 to 3 m/s\N{SUPERSCRIPT TWO}")):
+            self.text_comes("[data-command={}] small".format(command), words)
+        valid = "const speed = document.getElementById('speed'); speed.value = arguments[0]; return speed.checkValidity()"
+        self.assertEqual([self.browser.run(valid, speed) for speed in (-1, 0, 40, 41)], [False, True, True, False])
+        for _ in self.at_both_sizes("orders"):
+            self.assertEqual(self.browser.run(OUTSIDE), [], "out of sight")
+        self.begin(5)
+        self.text_comes("[data-command=speed] small", "cars reach 60 m/s, at once")
+        self.text_comes("[data-command=sinusoid] small", "\N{PLUS-MINUS SIGN} 2 m/s in 1 s")
+
+    def test_a_paced_drive_shows_its_step_before_the_first_figures(self):
+        self.followers = 5
+        self.state.take_configuration(configuration(5, 6000, run={"rate": 10.0, "realizations": 1}))
+        nothing = [math.nan] * 5
+        waiting = dict(attempt=0, mean=nothing, variance=nothing, time_average=False, realizations=0, standard_error=nothing, variance_score=nothing)
+        self.state.take_overview(endless(5, 0, **waiting), 0.0)
+        self.state.take_topics({"vehicle_{}/position".format(i) for i in range(6)} | {"overview"})
+        self.open()
+        self.text_comes("#string-note", "the first step is under way")
+        self.state.take_snapshot(snapshot(3104, 5))
+        self.state.take_topics({"vehicle_{}/position".format(i) for i in range(6)} | {"overview"})
+        for _ in self.at_both_sizes("paced"):
+            self.text_comes("#facts", "step k3104 of 5999 (310.4 s)")
+            self.text_comes("#string-note", "theory; the first figures appear when a batch of realizations is complete, behind step 5999 (599.9 s)")
 
     def test_header_and_strip_show_the_same_step(self):
         self.begin(20)

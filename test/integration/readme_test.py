@@ -38,7 +38,7 @@ SHORTER = (
     ("rosrun stochastic_platoon monte_carlo --realizations 1e9 --shard", "--steps 20"),
     ("rosrun stochastic_platoon monte_carlo --model paper_at_rest.yaml", ""),  # 0.3 s; the next lines need its realizations
     ("rosrun stochastic_platoon monte_carlo --repeat", ""),
-    ("rosrun stochastic_platoon monte_carlo --model acc_path.yaml --leader city.csv", ""),  # 1 s; its first 20 steps are at rest
+    ("rosrun stochastic_platoon monte_carlo --model acc_limits.yaml --headway-seconds 2.8", ""),  # its first 20 steps are at rest
     ("rosrun stochastic_platoon monte_carlo --leader city.csv", "--steps 20"),
     ("rosrun stochastic_platoon monte_carlo", "--realizations 200 --steps 20"),
 )

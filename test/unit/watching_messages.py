@@ -22,9 +22,9 @@ def message(**fields):
     return types.SimpleNamespace(**fields)
 
 
-def configuration(followers=3, steps=4, **model):
+def configuration(followers=3, steps=4, run=None, **model):
     document = dict(sp.Model.load("paper.yaml").to_dict(), **model)
-    return message(data=json.dumps({"version": sp.__version__, "model": document, "run": dict(RUN, followers=followers, steps=steps)}))
+    return message(data=json.dumps({"version": sp.__version__, "model": document, "run": dict(RUN, followers=followers, steps=steps, **(run or {}))}))
 
 
 def overview(followers=3, step=(0, 1, 2, 3), **changes):
@@ -34,7 +34,7 @@ def overview(followers=3, step=(0, 1, 2, 3), **changes):
               mean=[0.1 * c for c in cells], variance=cells, stable_headways=[0.5, 1.0, 2.8, 320.0], theoretical_mean=[0.0] * len(cells), theoretical_variance=[c + 1 for c in cells],
               standard_error=[0.5] * followers, variance_score=[-1.0] * followers, max_abs_z_mean=1.5, max_abs_z_variance=2.5,
               plausible_z=4.0, realizations_needed=NAN, smallest_gap=[], smallest_gap_realization=[], smallest_gap_step=[], collisions=[],
-              collision_bound=[])
+              collision_bound=[], provisional_mean=[], provisional_variance=[])
     return message(**dict(of, **changes))
 
 
@@ -42,6 +42,14 @@ def endless(followers, step, **changes):
     of = dict(time_average=True, realizations=1, standard_error=[NAN] * followers, variance_score=[NAN] * followers,
               max_abs_z_mean=NAN, max_abs_z_variance=NAN, plausible_z=NAN)
     return overview(followers, (step,), **dict(of, **changes))
+
+
+def burning_in(followers, step, **changes):
+    """An overview of an endless run that has provisional averages alone."""
+    nothing = [NAN] * followers
+    of = dict(mean=nothing, variance=nothing, provisional_mean=[0.01 * i for i in range(followers)], provisional_variance=[3.0 + i for i in range(followers)],
+              counted_from=200)
+    return endless(followers, step, **dict(of, **changes))
 
 
 def snapshot(step, followers=3, realization=0, run=1):

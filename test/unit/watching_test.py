@@ -9,7 +9,7 @@ import unittest
 import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
-from watching_messages import NAN, configuration, endless, message, overview, snapshot, table_of  # noqa: E402
+from watching_messages import NAN, burning_in, configuration, endless, message, overview, snapshot, table_of  # noqa: E402
 from watching import conduct, description, state, table  # noqa: E402
 
 
@@ -62,6 +62,23 @@ class Conduct(unittest.TestCase):
         for other in ((1, 2), (0, 0), (0, 9)):  # another realization, an earlier step, a snapshot too late
             self.assertIsNone(self.taken((0, 1, apart, [5.0] * 3), (*other, apart, [0.0] * 3))["strongest"])
 
+    def test_the_bounds_of_what_is_possible_are_those_of_the_warnings(self):
+        apart = [20.0, 10.0, 0.0]
+        for share, possible in ((0.99, True), (1.01, False)):
+            braked = 5.0 - share * sp.model.HARDEST * 0.1
+            self.assertEqual(self.taken((0, 1, apart, [5.0] * 3), (0, 2, apart, [5.0, 5.0, braked]))["possible"], possible)
+            self.assertEqual(self.taken((0, 1, apart, [0.0, 0.0, share * sp.model.REVERSING]))["reversing"] == [], possible)
+        self.assertEqual((sp.model.HARDEST, sp.model.REVERSING, sp.model.FASTEST_CAR), (10.0, -0.1, 60.0))
+
+    def test_a_snapshot_has_accelerations_over_the_time_since_the_one_before(self):
+        known = state.PlatoonState()
+        known.take_configuration(configuration())
+        for step, speed in ((3, [20.0] * 4), (5, [20.0, 20.5, 19.0, 20.0]), (11, [20.0] * 4)):
+            now = snapshot(step)
+            now.speed = speed
+            known.take_snapshot(now)
+            self.assertEqual(known.give("snapshot")["acceleration"], [0.0, 2.5, -5.0, 0.0] if step == 5 else [])
+
     def test_the_table_and_the_document_have_it(self):
         known = state.PlatoonState()
         known.take_configuration(configuration(vehicle_length=7.0))
@@ -95,6 +112,20 @@ class State(unittest.TestCase):
         curves = self.state.give("curves")
         for name in ("mean", "variance", "theoretical_mean", "theoretical_variance"):
             self.assertEqual(curves[name], [[], [], []], name)
+
+    def test_averages_are_provisional_until_the_burn_in_is_over(self):
+        self.state.take_configuration(configuration(3, 0))
+        for step in (10, 20):
+            self.state.take_overview(burning_in(3, step), 0.0)
+        document = json.loads(json.dumps(self.state.document(), allow_nan=False))
+        self.assertEqual((document["step"], document["mean"], document["variance"]), (None, [None] * 3, [None] * 3))
+        self.assertEqual(document["provisional"], {"step": 20, "mean": [0.0, 0.01, 0.02], "variance": [3.0, 4.0, 5.0]})
+        curves = self.state.give("curves")
+        self.assertEqual((curves["provisional"], curves["step"], curves["variance"][2]), (True, [10, 20], [5.0, 5.0]))
+        self.state.take_overview(endless(3, 200, counted_from=200), 0.0)
+        self.assertIsNone(self.state.document()["provisional"])
+        curves = self.state.give("curves")
+        self.assertEqual((curves["provisional"], curves["step"], curves["variance"][2]), (False, [200], [30.0]))
 
     def test_missing_figures_are_null(self):
         self.state.take_overview(endless(3, 7), 0.0)
@@ -270,6 +301,32 @@ class Table(unittest.TestCase):
         self.assertIn("h = 3.2 (0.32 s)", first)
         self.assertIn("step 3 (0.3 s), 100 of 1000 realizations", second)
         self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(table_of(3, 50, time_average=True)))
+
+    def test_shows_the_step_of_a_drive_before_its_figures(self):
+        known = state.PlatoonState()
+        known.take_configuration(configuration(3, 6000))
+        known.take_topics({"vehicle_0/position"})
+        nothing = [NAN] * 3
+        known.take_overview(overview(3, (0,), attempt=0, realizations=0, mean=nothing, variance=nothing), 0.0)
+        self.assertIsNotNone(known.document()["start"])
+        known.take_snapshot(snapshot(3104))
+        document = known.document()
+        self.assertEqual((document["start"], document["present"]), (None, {"realization": 0, "step": 3104}))
+        known.take_topics({"vehicle_0/position"})
+        self.assertIsNone(known.document()["start"])
+        self.assertIn("nothing is measured yet: realization 0 at step 3104 of 5999 (310.4 s)", " ".join(table.table(document, 50)))
+
+    def test_marks_provisional_averages(self):
+        known = state.PlatoonState()
+        known.take_configuration(configuration(3, 0))
+        known.take_overview(burning_in(3, 20), 0.0)
+        lines = table.table(known.document(), 50)
+        self.assertEqual(lines[-1].split()[:3], ["3", "~0.02", "~5"])
+        self.assertIn("~ provisional averages up to step 20 (2 s), replaced when the burn-in is over: at the earliest at step 200 (20 s)", " ".join(lines))
+        known.take_overview(burning_in(3, 30, manoeuvre=True, counted_from=231), 0.0)
+        self.assertIn("~ provisional averages, paused while the leader manoeuvres, replaced", " ".join(table.table(known.document(), 50)))
+        known.take_overview(endless(3, 200, counted_from=200), 0.0)
+        self.assertNotIn("~", " ".join(table.table(known.document(), 50)))
 
     def test_shows_both_ends_of_a_long_string_within_the_lines(self):
         lines = table_of(500, 24)

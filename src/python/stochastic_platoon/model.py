@@ -32,6 +32,11 @@ def checked_vehicle(index: int) -> int:
     return index
 
 
+FASTEST_CAR = _platoon.fastest_car  #: [m/s], of the warnings about implausible runs, as the next two
+HARDEST = _platoon.hardest  #: [m/s^2]: no road vehicle brakes or accelerates more
+REVERSING = _platoon.reversing  #: [m/s]: slower is backwards, beyond the noise of a standing vehicle
+
+
 @dataclass(frozen=True)
 class Vehicle:
     """One vehicle of a platoon. Its closed loop is x(k + 1) = A x(k) + B y_{i-1}(k), y_i(k) = C x(k)."""
@@ -91,6 +96,11 @@ class Model:
         Raises IndexError for a negative index.
         """
         return Vehicle(**self._handle.vehicle(checked_vehicle(index)))
+
+    def manoeuvres(self) -> Dict[str, Any]:
+        """What the leader's manoeuvres of an endless run are within its limits. Of speeds [m/s] and accelerations [m/s^2] lower and
+        upper bound, None without one: an acceleration without bound changes the speed at once."""
+        return self._handle.manoeuvres()
 
     def vehicle_to_dict(self, index: int) -> Dict[str, Any]:
         """The keys and values of the model file for vehicle `index`: those of its type in place of the default ones.

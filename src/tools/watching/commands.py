@@ -8,14 +8,13 @@ from typing import Any, Dict, Optional, Tuple
 import rospy
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
+from stochastic_platoon.model import FASTEST_CAR
 
 from .state import PlatoonState
 
 MANOEUVRES = ("brake", "accelerate", "sinusoid", "cruise")
 CHANGES = ("headway", "noise_variance", "loss")
 PATIENCE = 1.0  # [s] until a service must be available
-FASTEST_CAR = 60.0  # [m/s] kFastestCar
-FASTEST = 1000.0  # [m/s] largest speed that a leader accepts (Manoeuvre::kLargestSpeed)
 
 
 def number_of(content: Dict[str, Any], key: str) -> float:
@@ -63,8 +62,6 @@ class Commands:
             return False, str(error)
 
     def set_speed(self, speed: float) -> Tuple[bool, str]:
-        if abs(speed) > FASTEST:
-            return False, "speed: {:g}: must be a finite number of magnitude {:g} at most [m/s]".format(speed, FASTEST)
         # The leader receives its speed on a topic, which returns no answer: check here whether it accepts one.
         configuration = self.state.configuration
         if configuration is None:
@@ -72,6 +69,9 @@ class Commands:
         if not configuration["endless"]:
             return False, ("speed: rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless "
                            "run (live.launch, steps:=0) accepts orders")
+        lower, upper = configuration["manoeuvres"]["speed"]
+        if not lower <= speed <= upper:
+            return False, "speed: {:g}: must be from {:g} to {:g} m/s, which the leader reaches".format(speed, lower, upper)
         if self.speed.get_num_connections() == 0:
             return False, "no subscriber of {}: the leader is not running, or accepts no speed".format(self.speed.resolved_name)
         self.speed.publish(speed)

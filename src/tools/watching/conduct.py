@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Optional, Sequence, Set
 
-REVERSING = -0.1  # [m/s]: slower is backwards, beyond the noise of a standing vehicle
-POSSIBLE = 10.0   # [m/s^2]: no road vehicle brakes or accelerates more
-APART = 5         # steps between two snapshots over which an acceleration is formed at most
+from stochastic_platoon.model import HARDEST, REVERSING
+
+APART = 5  # steps between two snapshots over which an acceleration is formed at most
 
 
 class Conduct:
@@ -15,6 +15,7 @@ class Conduct:
     def __init__(self, lengths: Sequence[float], sample_period: float) -> None:
         self.lengths, self.sample_period = lengths, sample_period  # of vehicles 0 .. N [m]; T_s [s]
         self.before: Any = None
+        self.acceleration: List[float] = []  # [m/s^2] of vehicles 0 .. N since the snapshot before; empty if that is too long ago
         self.collided: Set[int] = set()
         self.reversed: Set[int] = set()
         self.strongest: Optional[Dict[str, float]] = None  # acceleration [m/s^2] of the largest modulus so far
@@ -30,17 +31,18 @@ class Conduct:
         self.collided.update(self.colliding)
         self.reversed.update(self.reversing)
         before, self.before = self.before, message
+        self.acceleration = []
         if before is not None and before.realization == message.realization and 0 < message.step - before.step <= APART:
             over = (message.step - before.step) * self.sample_period
-            for i in range(1, min(len(speed), len(before.speed))):
-                acceleration = (speed[i] - before.speed[i]) / over
-                if self.strongest is None or abs(acceleration) > abs(self.strongest["acceleration"]):
-                    self.strongest = {"acceleration": float("{:.3g}".format(acceleration)), "follower": i, "step": message.step}
+            self.acceleration = [(now - then) / over for now, then in zip(speed, before.speed)]
+        for i, acceleration in enumerate(self.acceleration):
+            if i > 0 and (self.strongest is None or abs(acceleration) > abs(self.strongest["acceleration"])):
+                self.strongest = {"acceleration": float("{:.3g}".format(acceleration)), "follower": i, "step": message.step}
         return self.document() != known
 
     def document(self) -> Dict[str, Any]:
         """Followers that collide and reverse now, how many have done so, and the acceleration of the largest modulus so far."""
-        impossible = self.strongest is not None and abs(self.strongest["acceleration"]) > POSSIBLE
+        impossible = self.strongest is not None and abs(self.strongest["acceleration"]) > HARDEST
         return {"colliding": self.colliding, "reversing": self.reversing, "collided": len(self.collided), "reversed": len(self.reversed),
                 "strongest": self.strongest, "possible": not (self.collided or self.reversed or impossible)}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, Optional, Sequence, Set
 
 import stochastic_platoon as sp
+from stochastic_platoon.model import FASTEST_CAR
 
 
 def channel_words(channel: Dict[str, Any], unit: str) -> List[str]:
@@ -59,6 +60,7 @@ def described(text: str) -> Dict[str, Any]:
             "noise_variance": vehicle.noise_variance,
             "loss": (radio_of(model) or model).get("channel", {}).get("loss", {}).get("probability"), "link": link_of(model),
             "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,
+            "manoeuvres": configuration.model.manoeuvres(), "fastest_car": FASTEST_CAR,
             "vehicle_lengths": lengths_of(configuration.model, "vehicle_types" in model, run["followers"]),
             "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}
 

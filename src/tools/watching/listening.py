@@ -21,7 +21,7 @@ POLL = 1.0  # [s]
 def report_start(state: PlatoonState, namespace: str) -> None:
     """Reports the start from the master's data: the monitor starts last, half a minute after the first of 500 followers."""
     master = rosgraph.Master(rospy.get_name())
-    while not rospy.is_shutdown() and not state.began:
+    while not rospy.is_shutdown() and not state.began and not state.latest:
         try:
             topics = {name[len(namespace):] for name, _ in master.getPublishedTopics(namespace)}
             text = rospy.get_param(namespace + "configuration", None)

@@ -69,11 +69,15 @@ class PlatoonState:
         self.began: Any = None  # the latest overview of an attempt
         self.restarts = 0
         self.rate = Rate()
-        self.history = ThinnedHistory(COLUMNS)
+        self.begin_history()
         self.latest: Deque[Dict[str, Any]] = collections.deque(maxlen=STRIP)  # snapshots
         self.received: Optional[Dict[str, Any]] = None
         self.snapshot: Optional[Dict[str, Any]] = None
         self.conducted = None if configuration is None else Conduct(configuration["vehicle_lengths"], configuration["sample_period"])
+
+    def begin_history(self) -> None:
+        self.history = ThinnedHistory(COLUMNS)
+        self.provisional = ThinnedHistory(COLUMNS)  # drawn until the burn-in is over
 
     def report(self, *kinds: str) -> None:
         """Reports changes of these kinds, and of the log."""
@@ -125,12 +129,14 @@ class PlatoonState:
         if message.attempt and (known is None or (message.attempt, message.step[-1]) >= known):
             if self.events.add_changes(self.began, message):
                 self.restarts += 1
-                self.history = ThinnedHistory(COLUMNS)
+                self.begin_history()
             self.began, self.start = message, None
         endless = message.time_average
         self.rate.saw(message.step[-1] if endless else message.realizations, now)
         if endless and any(map(math.isfinite, message.mean)):
             self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
+        elif endless and message.provisional_mean:
+            self.provisional.add(message.step[-1], (self.of_drawn(message.provisional_mean), self.of_drawn(message.provisional_variance)))
 
     def take_received(self, message: Any) -> None:
         with self.lock:
@@ -139,12 +145,17 @@ class PlatoonState:
 
     def take_snapshot(self, message: Any) -> None:
         with self.lock:
+            news = self.conducted is not None and message.step >= 0 and self.conducted.take(message)
             self.snapshot = {"realization": message.realization, "step": message.step, "position": numbers(message.position),
-                             "tracking_error": rounded(message.tracking_error), "speed": rounded(message.speed)}
+                             "tracking_error": rounded(message.tracking_error), "speed": rounded(message.speed),
+                             "acceleration": rounded(self.conducted.acceleration) if self.conducted else [],
+                             "colliding": self.conducted.colliding if self.conducted else []}
             if message.step >= 0:
                 self.latest.append(self.snapshot)
-            news = self.conducted is not None and message.step >= 0 and self.conducted.take(message)
-        self.report("snapshot", *(("conduct",) if news else ()))
+            # The vehicles drive, though the first figures may be a realization away.
+            started = self.start is not None and message.step >= 0
+            self.start = None if started else self.start
+        self.report("snapshot", *(("conduct",) if news else ()), *(("health",) if started else ()))
 
     def take_diagnostics(self, message: Any) -> None:
         """Takes the status of this platoon's monitor from a diagnostic_msgs/DiagnosticArray and ignores all others."""
@@ -162,7 +173,7 @@ class PlatoonState:
     def take_topics(self, topics: Set[str]) -> None:
         """Takes the names of the published topics in the platoon's namespace: before the first step they show the missing vehicles."""
         with self.lock:
-            if self.configuration and not self.began:
+            if self.configuration and not self.began and not self.latest:
                 self.start = start_of(topics, self.configuration["followers"], self.configuration["external"])
         self.report("health")
 
@@ -220,6 +231,8 @@ class PlatoonState:
                 **{name: numbers(getattr(of, name)) for name in ("standard_error", *GAPS)},
                 "score": numbers(of.variance_score), "max_abs_z": finite(max(scores)) if scores else None,
                 "step": of.step[-1] if is_measured else None, "latest_step": of.step[-1] if of.attempt else None,
+                "provisional": {"step": of.step[-1], "mean": numbers(of.provisional_mean), "variance": numbers(of.provisional_variance)}
+                               if of.provisional_mean else None,
                 "restarts": self.restarts, "paused_until": of.counted_from if is_paused(of) else None,
                 "string_stable": of.string_stable if of.theory == "exact" and not of.undecided else None,
                 "stable_headways": list(zip(of.stable_headways[::2], of.stable_headways[1::2])),
@@ -227,21 +240,24 @@ class PlatoonState:
 
     @property
     def curves(self) -> Optional[Dict[str, Any]]:
-        """Mean and variance over k of the drawn followers, measured and theoretical: lists (drawn followers) of lists (steps)."""
+        """Mean and variance over k of the drawn followers, measured and theoretical: lists (drawn followers) of lists (steps). Until the
+        burn-in is over, the measured ones are provisional."""
         of = self.overview
         if of is None:
             return None
         followers = drawn_followers(len(of.stationary_variance))
         if of.time_average:
-            columns = [column for _, column in self.history.columns]
+            provisional = not self.history.columns and bool(self.provisional.columns)
+            history = self.provisional if provisional else self.history
+            columns = [column for _, column in history.columns]
             theory = {name: [[value] * len(columns) for value in rounded(self.of_drawn(values))] for name, values in
                       (("theoretical_mean", of.theoretical_mean), ("theoretical_variance", of.theoretical_variance))}
-            return dict(theory, followers=followers, step=[step for step, _ in self.history.columns],
+            return dict(theory, followers=followers, provisional=provisional, step=[step for step, _ in history.columns],
                         mean=[rounded(mean[row] for mean, _ in columns) for row in range(len(followers))],
                         variance=[rounded(variance[row] for _, variance in columns) for row in range(len(followers))])
         width = len(of.step)
         return dict({name: [rounded(getattr(of, name)[(i - 1) * width:i * width]) for i in followers] for name in MOMENTS},
-                    followers=followers, step=list(of.step))
+                    followers=followers, provisional=False, step=list(of.step))
 
     def document(self) -> Dict[str, Any]:
         """The content of /state.json."""
@@ -249,4 +265,5 @@ class PlatoonState:
             nothing: Dict[str, Any] = {
                 **{name: None for name in ("followers", "step", "realizations", "string_stable", "limit_variance", "max_abs_z")},
                 **{name: [] for name in ("mean", "variance", "theoretical_variance", *GAPS)}}
-            return {**nothing, **(self.configuration or {}), **(self.statistics or {}), **self.health, "conduct": self.conduct, "events": self.log}
+            present = self.snapshot and {name: self.snapshot[name] for name in ("realization", "step")}
+            return {**nothing, "present": present, **(self.configuration or {}), **(self.statistics or {}), **self.health, "conduct": self.conduct, "events": self.log}

@@ -8,7 +8,10 @@ HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m
 AROUND = 9  # lines other than the followers' rows
 
 
-def cell(value: Optional[float], width: int, form: str) -> str:
+def cell(value: Optional[float], width: int, form: str, provisional: Optional[float] = None) -> str:
+    """The value, or "~" and the provisional one, or "-"."""
+    if value is None and provisional is not None:
+        return "{:>{}}".format("~" + format(provisional, form), width)
     return "{:>{}}".format("-" if value is None else format(value, form), width)
 
 
@@ -29,9 +32,16 @@ def heading(state: Dict[str, Any]) -> List[str]:
     if "reason" not in state:
         return [first, "Starting: " + state["start"] if state["start"] else "Starting"]
     at = None if state["step"] is None else "{} ({:.6g} s)".format(state["step"], state["step"] * period)
-    if at is None:
+    if state["provisional"]:
+        step, until = state["provisional"]["step"], state["paused_until"]
+        second = "~ provisional averages{}, replaced when the burn-in is over{}".format(
+            ", paused while the leader manoeuvres" if state["manoeuvre"] else " up to step {} ({:.6g} s)".format(step, step * period), "" if until is None else ": at the earliest at step {} ({:.6g} s)".format(until, until * period))
+    elif at is None:
         second = "nothing is measured yet" + (" (burn-in: {} steps, {:.3g} s of driving)".format(
             state["burn_in"], state["burn_in"] * period) if state["endless"] else "")
+        if state["present"] and not state["endless"]:
+            second += ": realization {} at step {} of {} ({:.6g} s)".format(
+                state["present"]["realization"], state["present"]["step"], state["steps"] - 1, state["present"]["step"] * period)
     elif state["time_average"]:
         second = "averages over time up to step {}".format(at)
         if state["paused_until"] is not None:
@@ -71,9 +81,10 @@ def table(state: Dict[str, Any], lines: int) -> List[str]:
     if not state["variance"]:
         return text
     text += ["", HEADING]
+    early = state["provisional"] or {name: [None] * len(state["variance"]) for name in ("mean", "variance")}
     for i in shown(len(state["variance"]), max(lines - AROUND, 3)):
         row = i - 1
         text.append("     ..." if i == 0 else "{:8d} {} {} {} {} {}".format(
-            i, cell(state["mean"][row], 14, ".6g"), cell(state["variance"][row], 16, ".6g"), cell(state["standard_error"][row], 16, ".2g"),
+            i, cell(state["mean"][row], 14, ".6g", early["mean"][row]), cell(state["variance"][row], 16, ".6g", early["variance"][row]), cell(state["standard_error"][row], 16, ".2g"),
             cell(state["theoretical_variance"][row], 14, ".6g"), cell(state["score"][row], 9, ".2f")))
     return text

@@ -13,7 +13,8 @@ platoon::PlatoonModel paper_platoon(double headway) {
   const platoon::TransferFunction plant(Eigen::VectorXd::Ones(1), Eigen::Vector3d(1.0, -2.0, 1.0));
   const platoon::TransferFunction controller(Eigen::Vector2d(1.35, 0.0), Eigen::Vector2d(1.0, 0.89));
   const platoon::LoopDesign design{plant, controller, true};
-  platoon::VehicleModel vehicle{platoon::close_loop(design, headway), headway, 0.0, 0.6};
+  platoon::VehicleModel vehicle{platoon::close_loop(design, headway), headway};
+  vehicle.position().noise_variance = 0.6;
   vehicle.design = design;
   return {vehicle, platoon::LeaderProfile({{0, 20.0}}, 0.1)};
 }

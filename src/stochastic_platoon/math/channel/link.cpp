@@ -15,7 +15,8 @@ namespace platoon {
 namespace {
 
 // The only place that defines the order of the stages.
-std::vector<std::unique_ptr<LinkStage>> stages_of(const Input& input, const WhiteNoise& noise, std::uint32_t stream) {
+std::vector<std::unique_ptr<LinkStage>> stages_of(const Input& input, const WhiteNoise& noise, std::uint32_t stream,
+                                                  std::uint32_t loss_stream) {
   const LinkModel& link = input.link;
   std::vector<std::unique_ptr<LinkStage>> stages;
   if (link.quantisation_step > 0.0)
@@ -23,7 +24,7 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const Input& input, const Whit
   if (input.noise_variance > 0.0)
     stages.push_back(std::make_unique<ColouredNoise>(input.noise_variance, link.noise_filter, noise, stream));
   if (input.delay() > 0) stages.push_back(std::make_unique<DelayLine>(input.delay()));
-  if (link.loses()) stages.push_back(std::make_unique<PacketLoss>(*link.loss, noise, stream));
+  if (link.loses()) stages.push_back(std::make_unique<PacketLoss>(*link.loss, noise, loss_stream));
   return stages;
 }
 
@@ -35,7 +36,9 @@ Link::Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t rec
   const Input& own = vehicle(model, receiver).inputs[input];
   if (own.delay() < 0) throw std::invalid_argument("delay of a radio: 0: must be >= 1");
   if (own.signal == InputSignal::position) slope_ = start_slope(model);
-  if (!own.link.is_white_noise_only()) take(stages_of(own, noise, receiver + input * kInputStream));
+  const auto lost_with = static_cast<std::uint32_t>(vehicle(model, receiver).losses_of(input));
+  if (!own.link.is_white_noise_only())
+    take(stages_of(own, noise, receiver + input * kInputStream, receiver + lost_with * kInputStream));
 }
 
 Link::Link(std::vector<std::unique_ptr<LinkStage>> stages) : noise_(0.0, 0, 1) {

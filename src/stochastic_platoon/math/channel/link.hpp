@@ -21,7 +21,8 @@ struct LinkEnds {
   const double* own = nullptr;          ///< y_i(k-1)
 };
 
-/// The link of an input of vehicle i, which transmits the positions y(k) of its predecessor, or v(k) = u(k-1):
+/// The link of an input of vehicle i, which transmits a signal of its source, positions y(k) or v(k) = u(k-1) (see
+/// Input). The inputs of a packet share the draws of the losses.
 ///
 ///     quantise -> + noise -> delay -> loss
 ///
@@ -32,7 +33,7 @@ struct LinkEnds {
 class Link {
 public:
   /// receiver is i >= 1, input the index n of its VehicleModel::inputs. Throws std::invalid_argument if the constructor
-  /// of a stage does, and for a radio without delay; std::out_of_range without such an input.
+  /// of a stage does and for a radio without delay, and std::out_of_range if the vehicle has no input of this index.
   Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver, std::uint32_t input = 0);
 
   /// A link of these stages, in this order.

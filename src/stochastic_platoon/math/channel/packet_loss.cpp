@@ -4,21 +4,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/numerics/multiples.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
 
 namespace detail {
-
-PLATOON_VECTOR_CLONES
-void scale(double c, const double* in, std::size_t size, double* out) {
-  for (std::size_t r = 0; r < size; ++r) out[r] = c * in[r];
-}
-
-PLATOON_VECTOR_CLONES
-void add_multiple(double c, const double* in, std::size_t size, double* out) {
-  for (std::size_t r = 0; r < size; ++r) out[r] += c * in[r];
-}
 
 // Replaces the position by the prediction if u is below the loss probability, and updates that probability.
 PLATOON_VECTOR_CLONES
@@ -119,9 +110,9 @@ void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::s
     } else if (n == 1) {
       guess = &used_[0][r];  // a single coefficient is 1: hold
     } else {
-      detail::scale(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
+      set_multiple(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
       for (std::size_t j = 1; j < n; ++j)
-        detail::add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
+        add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
     }
     if (loss_.trace) {
       lose_as_recorded(*loss_.trace, guess, size, &entry_[r], positions + r);

@@ -60,6 +60,8 @@ std::optional<std::string> no_theory(const PlatoonModel& model) {
 LinkedPattern::LinkedPattern(const PlatoonModel& model, const LinkedPattern& known) {
   if (const std::optional<std::string> reason = no_theory(model))
     throw std::invalid_argument("no theory, as " + *reason);
+  if (!hears_predecessors_only(model))
+    throw std::invalid_argument("no theory of this kind, as vehicles hear others than their predecessor");
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> place;  // (model type, that of the predecessor)
   const std::vector<std::size_t> model_types = type_order(model);
   const bool sends = has_radios(model);

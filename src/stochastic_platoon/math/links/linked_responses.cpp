@@ -4,7 +4,46 @@
 #include <string>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
+
+MeanVehicle::Sequence signal_values(const Signal& signal, const MeanVehicle::Sequence& predecessor,
+                                    const Motion& motion) {
+  if (signal.is_input) return motion.input;
+  const MeanVehicle::Sequence& own = motion.position;
+  MeanVehicle::Sequence values(own.size(), 0.0L);
+  check_interruption();
+  if (signal.order > 0) {
+    values = own;
+    for (int n = 0; n < signal.order; ++n) {
+      for (std::size_t a = values.size(); --a > 0;) values[a] -= values[a - 1];
+      values[0] = 0.0L;
+    }
+    for (long double& value : values) value *= static_cast<long double>(signal.factor);
+  }
+  if (signal.relative) {
+    for (std::size_t a = 0; a < values.size(); ++a) values[a] += predecessor[a] - own[a];
+  }
+  return values;
+}
+
+ResponseProducts::ResponseProducts(const MeanVehicle::Sequence& response, bool is_noise) {
+  check_interruption();
+  for (std::size_t a = 1; a < response.size(); ++a) {
+    variance.push_back(response[a] * response[a]);
+    covariance.push_back(response[a - 1] * response[a]);
+  }
+  if (!is_noise) return;
+  for (MeanVehicle::Sequence* sums : {&variance, &covariance}) {
+    for (std::size_t k = 1; k < sums->size(); ++k) (*sums)[k] += (*sums)[k - 1];
+  }
+}
+
+void ResponseProducts::add(const ResponseProducts& other) {
+  for (std::size_t k = 0; k < variance.size(); ++k) variance[k] += other.variance[k];
+  for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k] += other.covariance[k];
+}
 
 CausalConvolution::Values squares(const MeanVehicle::Sequence& values) {
   CausalConvolution::Values result;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/links/mean_vehicle.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/causal_convolution.hpp"
 
 namespace platoon {
@@ -71,6 +72,21 @@ private:
   std::size_t followers_, steps_;
   std::vector<VehicleModel> vehicles_;
   std::vector<MeanVehicle> mean_vehicles_;
+};
+
+/// The response of a signal to a source, given those of its vehicle and its predecessor, from step -1 on: y_{i-1} - y_i
+/// (of relative signals only) plus factor D^order y_i, or the input; without offsets.
+MeanVehicle::Sequence signal_values(const Signal& signal, const MeanVehicle::Sequence& predecessor,
+                                    const Motion& motion);
+
+/// What a source of variance 1 with this response adds to the variance of a signal, and to its covariance with the step
+/// before, at every step from 0 on: sums over the steps for a noise, and the last term of each for one value at step
+/// -1.
+struct ResponseProducts {
+  MeanVehicle::Sequence variance, covariance;
+
+  ResponseProducts(const MeanVehicle::Sequence& response, bool is_noise);
+  void add(const ResponseProducts& other);
 };
 
 /// The squares of a sequence.

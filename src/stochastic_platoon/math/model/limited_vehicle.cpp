@@ -187,11 +187,14 @@ std::optional<double> actuator_lag(const LoopDesign& design) {
   return continuous == nullptr ? std::nullopt : actuator_lag(*continuous);
 }
 
-std::unique_ptr<LoopBatch> vehicle_batch(const VehicleModel& vehicle, double sample_period) {
+std::unique_ptr<LoopBatch> vehicle_batch(const VehicleModel& vehicle, double sample_period, double spacing) {
   const VehicleLimits& limits = vehicle.limits;
-  if (!limits.any()) return loop_batch(vehicle.loop);
+  if (!limits.any() && spacing == 1.0) return loop_batch(vehicle.loop);
   if (!vehicle.design)
     throw std::invalid_argument("limits: given: must be absent for a vehicle without plant and controller");
+  LoopParts parts = loop_parts<double>(*vehicle.design, vehicle.headway);
+  parts.spacing *= spacing;
+  if (!limits.any()) return std::make_unique<LoopPartsBatch>(parts);
   const Interval input = limits.input ? checked("input", *limits.input) : Interval();
   const Interval speed = limits.speed ? checked("speed", *limits.speed) : Interval();
   std::optional<HeldCar> car;
@@ -199,8 +202,7 @@ std::unique_ptr<LoopBatch> vehicle_batch(const VehicleModel& vehicle, double sam
     const auto* plant = std::get_if<ContinuousPlant>(&vehicle.design->plant.given());
     car.emplace(plant == nullptr ? ContinuousPlant() : *plant, speed, sample_period);
   }
-  return std::make_unique<LimitedVehicleBatch>(loop_parts<double>(*vehicle.design, vehicle.headway), std::move(car),
-                                               input);
+  return std::make_unique<LimitedVehicleBatch>(parts, std::move(car), input);
 }
 
 }  // namespace platoon

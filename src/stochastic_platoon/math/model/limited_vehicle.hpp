@@ -51,10 +51,11 @@ std::optional<double> actuator_lag(const LoopDesign& design);
 
 /// The batch computation of a vehicle: loop_batch() without limits. With limits on its input, the controller's
 /// difference equation D(z) u = N(z) e (headway filter included) runs on the limited past inputs, so that no part of it
-/// winds up; the limited input enters the delay of the plant, and is sent. T_s > 0 [s].
+/// winds up; the limited input enters the delay of the plant, and is sent. T_s > 0 [s]. `spacing`: the
+/// spacing_in_vehicles() of a vehicle by parts.
 ///
 /// Throws std::invalid_argument if the loop has no equilibrium, for limits of a vehicle that was not given by plant and
 /// controller, for speed limits without an actuator_lag(), and for limits that exclude 0.
-std::unique_ptr<LoopBatch> vehicle_batch(const VehicleModel& vehicle, double sample_period);
+std::unique_ptr<LoopBatch> vehicle_batch(const VehicleModel& vehicle, double sample_period, double spacing = 1.0);
 
 }  // namespace platoon

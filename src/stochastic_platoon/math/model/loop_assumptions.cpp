@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -97,6 +98,17 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
     found.push_back(tracks_a_ramp(gain, headway) ? rounded_equilibrium(loop) : error.what());
   }
   return found;
+}
+
+std::vector<std::string> violated_assumptions(const VehicleModel& vehicle, double sample_period, std::size_t farthest,
+                                              bool allow_unstable) {
+  for (std::size_t follower = 1; follower <= farthest && !allow_unstable; ++follower) {
+    const double rho = HearingLoop(vehicle, follower, sample_period).spectral_radius();
+    if (rho >= 1.0)
+      return {formatted("the closed loop is unstable: rho(A) = %g, must be < 1 (allow_unstable: true runs it anyway)",
+                        rho)};
+  }
+  return {};
 }
 
 }  // namespace platoon

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/closed_loop.hpp"
+#include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {
 
@@ -13,6 +14,11 @@ namespace platoon {
 /// - rho(A) < 1 and no hidden mode outside the open unit disk, unless `allow_unstable`;
 /// - an equilibrium exists; the vehicles start in it.
 std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable);
+
+/// The same of a vehicle that hears others than its predecessor: rho(A) < 1 at every place of the string, unless
+/// `allow_unstable`. `farthest`: see farthest_ahead().
+std::vector<std::string> violated_assumptions(const VehicleModel& vehicle, double sample_period, std::size_t farthest,
+                                              bool allow_unstable);
 
 /// The deviation of the given loop from double integral action,
 /// \f[ |T(1) - 1| + |T'(1) + h| / (1 + h). \f]

@@ -44,7 +44,7 @@ Scalar advance(const BasicLoopParts<Scalar>& parts, std::vector<Scalar>& state, 
   Scalar* const controller = state.data() + n;
   Scalar* const before = controller + m;
   Scalar* const inputs = before + 1;
-  const Scalar y = state[0], e = position - y - parts.headway * (y - *before), first = m > 0 ? *controller : 0;
+  const Scalar y = state[0], e = position - y - parts.spacing * (y - *before), first = m > 0 ? *controller : 0;
   Scalar u = parts.controller.direct * e + first + fed_forward;
   advance_filter(parts.controller, controller, first, e);
   *before = y;
@@ -101,6 +101,7 @@ BasicLoopParts<Scalar> loop_parts(const LoopDesign& design, double headway) {
                                           times_power_of_z(controller.denominator, controller.delay), gain);
   parts.delay = static_cast<std::size_t>(delay);
   parts.headway = headway;
+  parts.spacing = headway;
   parts.headway_filter = design.headway_filter;
   return parts;
 }

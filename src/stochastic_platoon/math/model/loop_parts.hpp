@@ -23,16 +23,17 @@ struct BasicDeltaFilter {
 
 /// A vehicle as it is built: plant G behind an input delay, controller K, and their spacing policy.
 ///
-///     e = u^ - y - h (y - y(k-1)),   c = K e + F v,   u = c or, with a headway filter, (c + h u(k-1)) / (1 + h),
+///     e = u^ - y - s (y - y(k-1)),   c = K e + F v,   u = c or, with a headway filter, (c + h u(k-1)) / (1 + h),
 ///     y = G z^-delay u
 ///
-/// with v the predecessor's input as received, if the vehicle feeds it forward by a gain F. T(1) = 1 and dT/dz(1) = -h
-/// hold for any rounding of the coefficients.
+/// with v the predecessor's input as received, if the vehicle feeds it forward by a gain F. The spacing s is the
+/// headway h, unless the vehicle hears others than its predecessor (see Input). T(1) = 1 and dT/dz(1) = -s hold for any
+/// rounding of the coefficients.
 template <class Scalar>
 struct BasicLoopParts {
   BasicDeltaFilter<Scalar> plant, controller;
   std::size_t delay = 0;  ///< of the plant's input [steps]: costs a load, no multiplication
-  Scalar headway = 0;
+  Scalar headway = 0, spacing = 0;
   bool headway_filter = false;
 
   /// States in their order: plant, controller, y(k-1), u(k-1), u(k-2) ... u(k-delay); u(k-1) is a state only with a

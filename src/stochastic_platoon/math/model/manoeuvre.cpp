@@ -31,6 +31,19 @@ Manoeuvre::Manoeuvre(double sample_period, const VehicleLimits& limits)
       limits_(limits),
       period_(limits.any() ? std::max(kPeriod, static_cast<std::int64_t>(kSeconds / sample_period)) : kPeriod) {}
 
+ManoeuvreBounds Manoeuvre::bounds() const {
+  const Interval input = limits_.input.value_or(Interval{});
+  const double braking = std::min(kBraking, -input.lower), speed_up = std::min(kAcceleration, input.upper);
+  return {limits_.speed.value_or(Interval{-kLargestSpeed, kLargestSpeed}),
+          input,
+          braking,
+          speed_up,
+          kSpeedIncrease,
+          {-std::min(kAcceleration, -input.lower), speed_up},
+          kAmplitude,
+          static_cast<double>(period_) * sample_period_};
+}
+
 void Manoeuvre::approach(double target, double acceleration) {
   require_speed(target);
   kind_ = Kind::approach;

@@ -6,6 +6,16 @@
 
 namespace platoon {
 
+/// What the manoeuvres of a leader are within its limits, for those who order them.
+struct ManoeuvreBounds {
+  Interval speed;                ///< [m/s] that the leader reaches
+  Interval acceleration;         ///< [m/s^2] to another speed; infinite: at once
+  double braking;                ///< [m/s^2] > 0 of brake()
+  double speed_up, speed_added;  ///< of accelerate() [m/s^2], [m/s]
+  Interval back;                 ///< [m/s^2] of cruise()
+  double amplitude, seconds;     ///< [m/s] and period [s] of swing()
+};
+
 /// A manual manoeuvre of the virtual leader: a speed v(k) that replaces the profile's, r_0(k+1) = r_0(k) + T_s v(k). A
 /// manoeuvre starts at the speed of the previous step and replaces the active one.
 class Manoeuvre {
@@ -36,6 +46,8 @@ public:
   void cruise();
   /// Follows the profile at once.
   void end() { kind_ = Kind::none; }
+
+  ManoeuvreBounds bounds() const;
 
   bool is_under_way() const { return kind_ != Kind::none; }
 

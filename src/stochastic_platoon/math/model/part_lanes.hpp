@@ -55,7 +55,7 @@ PLATOON_INLINE void parts_lanes(const LoopParts& parts, const Plant& plant, cons
   double* const inputs = before + kTile;  // with a headway filter and no delay, u(k-1) alone
   for (std::size_t r = 0; r < lanes; ++r) {
     y[r] = state[r];
-    e[r] = input[r] - offset - y[r] - parts.headway * (y[r] - before[r]);
+    e[r] = input[r] - offset - y[r] - parts.spacing * (y[r] - before[r]);
     before[r] = y[r];
   }
   for (std::size_t r = 0; r < lanes; ++r) first[r] = parts.controller.order() > 0 ? controller[r] : 0.0;

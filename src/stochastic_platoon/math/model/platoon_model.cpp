@@ -19,15 +19,55 @@ ClosedLoop closed_again(const VehicleType& type, const char* varied, const Close
                               varied);
 }
 
+bool any_type(const PlatoonModel& model, const std::function<bool(const VehicleModel&)>& condition) {
+  const std::vector<std::size_t> order = type_order(model);
+  return std::any_of(order.begin(), order.end(),
+                     [&](std::size_t type) { return condition(model.types.at(type).vehicle); });
+}
+
 }  // namespace
 
 const char* name_of(InputSignal signal) {
-  return signal == InputSignal::position ? "position" : "input";
+  switch (signal) {
+    case InputSignal::position:
+      return "position";
+    case InputSignal::speed:
+      return "speed";
+    case InputSignal::acceleration:
+      return "acceleration";
+    default:
+      return "input";
+  }
 }
 
 bool operator==(const Input& one, const Input& other) {
   return one.signal == other.signal && one.gain == other.gain && one.noise_variance == other.noise_variance &&
-         one.link == other.link;
+         one.link == other.link && one.ahead == other.ahead && one.packet == other.packet;
+}
+
+std::size_t source_of(const Input& input, std::size_t follower) {
+  return input.ahead == Input::kLeader || input.ahead > follower ? 0 : follower - input.ahead;
+}
+
+bool VehicleModel::hears_predecessor_only() const {
+  const auto is_plain = [](const Input& input) { return input.ahead == 1 && input.packet.empty(); };
+  return !constant_spacing && own_acceleration == 0.0 && inputs.size() <= 2 &&
+         std::all_of(inputs.begin(), inputs.end(), is_plain) && inputs.front().signal == InputSignal::position &&
+         inputs.front().gain == 1.0 && (inputs.size() == 1 || inputs.back().signal == InputSignal::input);
+}
+
+const Input& VehicleModel::position() const {
+  for (const Input& input : inputs) {
+    if (input.signal == InputSignal::position) return input;
+  }
+  return inputs.front();
+}
+
+std::size_t VehicleModel::losses_of(std::size_t n) const {
+  for (std::size_t j = 0; j < n && !inputs[n].packet.empty(); ++j) {
+    if (inputs[j].packet == inputs[n].packet) return j;
+  }
+  return n;
 }
 
 std::vector<std::size_t> type_order(const PlatoonModel& model) {
@@ -46,7 +86,7 @@ std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inhe
 
 PlatoonModel with_headway(PlatoonModel model, double headway) {
   for (VehicleType& type : model.types) {
-    if (!type.inherited.headway) continue;
+    if (!type.inherited.headway || type.vehicle.constant_spacing) continue;
     type.vehicle.headway = headway;
     type.vehicle.loop = closed_again(type, "it", &type.vehicle.loop);
   }
@@ -90,10 +130,8 @@ PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst) {
 }
 
 bool any_link(const PlatoonModel& model, const std::function<bool(const LinkModel&)>& condition) {
-  const std::vector<std::size_t> order = type_order(model);
-  return std::any_of(order.begin(), order.end(), [&](std::size_t type) {
-    const std::vector<Input>& inputs = model.types.at(type).vehicle.inputs;
-    return std::any_of(inputs.begin(), inputs.end(), [&](const Input& input) { return condition(input.link); });
+  return any_type(model, [&](const VehicleModel& of) {
+    return std::any_of(of.inputs.begin(), of.inputs.end(), [&](const Input& input) { return condition(input.link); });
   });
 }
 
@@ -112,18 +150,69 @@ bool is_homogeneous(const PlatoonModel& model) {
 }
 
 bool is_papers(const PlatoonModel& model) {
-  return is_homogeneous(model) && !has_radios(model) && !has_limits(model) &&
+  return is_homogeneous(model) && hears_predecessors_only(model) && !has_radios(model) && !has_limits(model) &&
          model.default_vehicle().position().link.is_white_noise_only();
 }
 
 bool has_radios(const PlatoonModel& model) {
-  const std::vector<std::size_t> order = type_order(model);
-  return std::any_of(order.begin(), order.end(),
-                     [&](std::size_t type) { return model.types[type].vehicle.radio() != nullptr; });
+  return any_type(model, [](const VehicleModel& of) {
+    return std::any_of(of.inputs.begin(), of.inputs.end(),
+                       [](const Input& input) { return input.signal == InputSignal::input; });
+  });
+}
+
+bool hears_predecessors_only(const PlatoonModel& model) {
+  return !any_type(model, [](const VehicleModel& of) { return !of.hears_predecessor_only(); });
+}
+
+std::size_t farthest_ahead(const PlatoonModel& model) {
+  std::size_t farthest = 1;
+  for (const std::size_t type : type_order(model)) {
+    for (const Input& input : model.types.at(type).vehicle.inputs) farthest = std::max(farthest, input.ahead);
+  }
+  return farthest;
+}
+
+double spacing_in_vehicles(const VehicleModel& vehicle, std::size_t follower) {
+  double sum = 0.0;
+  for (const Input& input : vehicle.inputs) {
+    if (input.signal == InputSignal::position)
+      sum += input.gain * static_cast<double>(follower - source_of(input, follower));
+  }
+  return sum;
+}
+
+double own_speed_gain(const VehicleModel& vehicle, double sample_period) {
+  double sum = 0.0;
+  for (const Input& input : vehicle.inputs) {
+    if (input.signal == InputSignal::speed) sum += input.gain / sample_period;
+  }
+  return sum;
+}
+
+std::vector<double> steady_places(const PlatoonModel& model, std::size_t followers, double slope,
+                                  const std::function<double(const VehicleModel& own, const Input& input)>& late) {
+  std::vector<double> places{0.0};
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const VehicleModel& own = vehicle(model, i);
+    double place = -spacing_in_vehicles(own, i) * (slope * own.headway + own.standstill_distance);
+    for (const Input& input : own.inputs) {
+      const bool is_position = input.signal == InputSignal::position;
+      place += is_position ? input.gain * (places[source_of(input, i)] - late(own, input)) : -late(own, input);
+    }
+    places.push_back(place);
+  }
+  return places;
 }
 
 bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers) {
-  return sender < followers && vehicle(model, sender + 1).radio() != nullptr;
+  const std::size_t farthest = sender == 0 ? followers : std::min(followers, sender + farthest_ahead(model));
+  for (std::size_t i = sender + 1; i <= farthest; ++i) {
+    for (const Input& input : vehicle(model, i).inputs) {
+      if (input.signal == InputSignal::input && source_of(input, i) == sender) return true;
+    }
+  }
+  return false;
 }
 
 bool depends_on_gap(const PlatoonModel& model) {
@@ -145,7 +234,7 @@ bool has_limits(const PlatoonModel& model) {
 }
 
 bool moves_leader(const PlatoonModel& model) {
-  return !model.recorded_leader.empty() || has_limits(model);
+  return !model.recorded_leader.empty() || has_limits(model) || !hears_predecessors_only(model);
 }
 
 bool starts_steady(const PlatoonModel& model) {
@@ -180,6 +269,12 @@ double start_place(const PlatoonModel& model, std::size_t follower) {
   const double slope = start_slope(model), place = place_in_formation(model, follower);
   if (!starts_steady(model)) return place;
   const double leader = model.recorded_leader.empty() ? 0.0 - slope : model.recorded_leader.front();
+  if (!hears_predecessors_only(model)) {
+    const auto late = [slope](const VehicleModel&, const Input& input) {
+      return input.signal == InputSignal::position ? slope * static_cast<double>(input.link.delay) : 0.0;
+    };
+    return leader + steady_places(model, follower, slope, late).back();
+  }
   return leader + place + slope * place_of(model, follower, [](const VehicleModel& own) {
                             return own.headway + static_cast<double>(own.position().link.delay);
                           });

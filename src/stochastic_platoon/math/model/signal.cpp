@@ -96,11 +96,15 @@ Signal gap(const PlatoonModel& model, std::size_t follower) {
 }
 
 // D^order y / T_s^order.
+Signal derivative(int order, double sample_period) {
+  double factor = 1.0;
+  for (int i = 0; i < order; ++i) factor /= sample_period;
+  return {false, 0.0, order, factor};
+}
+
 template <int kOrder>
 Signal derivative(const PlatoonModel& model, std::size_t) {
-  double factor = 1.0;
-  for (int i = 0; i < kOrder; ++i) factor /= model.sample_period;
-  return {false, 0.0, kOrder, factor};
+  return derivative(kOrder, model.sample_period);
 }
 
 Signal control_input(const PlatoonModel&, std::size_t) {
@@ -108,6 +112,10 @@ Signal control_input(const PlatoonModel&, std::size_t) {
 }
 
 }  // namespace
+
+Signal difference(InputSignal signal, double sample_period) {
+  return derivative(signal == InputSignal::speed ? 1 : 2, sample_period);
+}
 
 const std::vector<SignalKind>& signal_kinds() {
   static const std::vector<SignalKind> kinds{{kGap, "m", gap},

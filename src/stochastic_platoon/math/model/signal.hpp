@@ -55,6 +55,14 @@ struct SignalPositions {
   std::vector<double> of(const Signal& signal) const;
 };
 
+/// Whether an input carries differences of positions, which the sender of the positions need not form.
+inline bool is_difference(InputSignal signal) {
+  return signal == InputSignal::speed || signal == InputSignal::acceleration;
+}
+
+/// What such an input carries: D y / T_s [m/s] or D^2 y / T_s^2 [m/s^2].
+Signal difference(InputSignal signal, double sample_period);
+
 /// The tracking error [m] of follower i >= 1, paper eq. (error1), including its distance delta:
 /// \f[ \zeta_i(k) = y_{i-1}(k) - y_i(k) - \delta - h [y_i(k) - y_i(k-1)]. \f]
 Signal tracking_error(const PlatoonModel& model, std::size_t follower);

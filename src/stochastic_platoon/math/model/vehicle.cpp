@@ -1,18 +1,41 @@
 #include "stochastic_platoon/math/model/vehicle.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "stochastic_platoon/math/model/limited_vehicle.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/multiples.hpp"
+#include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {
+
+namespace detail {
+
+PLATOON_VECTOR_CLONES
+void add_own_motion(double speed, double acceleration, const double* y0, const double* y1, const double* y2,
+                    std::size_t count, double* out) {
+  for (std::size_t r = 0; r < count; ++r) {
+    const double moved = y0[r] - y1[r];
+    out[r] = out[r] - speed * moved + acceleration * (moved - (y1[r] - y2[r]));
+  }
+}
+
+}  // namespace detail
 
 FollowerVehicle::FollowerVehicle(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t index)
     : noise_(noise), index_(index) {
   const VehicleModel& own = vehicle(model, index);
-  loop_ = vehicle_batch(own, model.sample_period);
+  const double spacing = spacing_in_vehicles(own, index), period = model.sample_period;
+  loop_ = vehicle_batch(own, period, spacing);
   initial_place_ = own.initial_position.mean + start_place(model, index);
   slope_ = start_slope(model);
   initial_deviation_ = standard_deviation("variance of the initial positions", own.initial_position.variance);
-  standstill_distance_ = own.standstill_distance;
+  offset_ = spacing * own.standstill_distance;
   if (own.radio() != nullptr) feed_forward_gain_ = own.radio()->gain;
+  if (own.hears_predecessor_only()) return;
+  sums_ = Sums{own.inputs, own_speed_gain(own, period), own.own_acceleration / (period * period)};
+  feed_forward_gain_ = 1.0;
 }
 
 void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions) {
@@ -25,6 +48,44 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count, 
   }
   loop_->start(positions, slope_);
   loop_->output(positions);
+  if (!sums_) return;
+  for (std::size_t back = 0; back < sums_->own.size(); ++back) {
+    AlignedValues& before = sums_->own[back];
+    before.assign(positions.begin(), positions.end());
+    for (double& position : before) position = position_before(position, back, slope_);
+  }
+  sums_->position.resize(count);
+  sums_->forward.resize(count);
+}
+
+void FollowerVehicle::step(const Received& received, double* positions, double* own_input) {
+  if (!sums_) {
+    const double* const heard = received.size() > 1 ? received[1] : nullptr;
+    return loop_->step(received.front(), offset_, positions, {heard, feed_forward_gain_, own_input});
+  }
+  sum(received);
+  loop_->step(sums_->position.data(), offset_, positions, {sums_->forward.data(), feed_forward_gain_, own_input});
+  std::swap(sums_->own[2], sums_->own[1]);
+  std::swap(sums_->own[1], sums_->own[0]);
+  std::copy_n(positions, sums_->own[0].size(), sums_->own[0].begin());
+}
+
+void FollowerVehicle::sum(const Received& received) {
+  const std::size_t count = sums_->position.size();
+  bool has_position = false, has_other = false;
+  for (std::size_t n = 0; n < received.size(); ++n) {
+    const Input& input = sums_->inputs[n];
+    const bool is_position = input.signal == InputSignal::position;
+    bool& has = is_position ? has_position : has_other;
+    AlignedValues& sum = is_position ? sums_->position : sums_->forward;
+    (has ? add_multiple : set_multiple)(input.gain, received[n], count, sum.data());
+    has = true;
+  }
+  if (!has_other) std::fill(sums_->forward.begin(), sums_->forward.end(), 0.0);
+  if (sums_->own_speed == 0.0 && sums_->own_acceleration == 0.0) return;
+  const auto& own = sums_->own;
+  detail::add_own_motion(sums_->own_speed, sums_->own_acceleration, own[0].data(), own[1].data(), own[2].data(), count,
+                         sums_->forward.data());
 }
 
 LeaderVehicle::LeaderVehicle(const PlatoonModel& model)

@@ -1,19 +1,21 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "stochastic_platoon/math/model/loop_batch.hpp"
 #include "stochastic_platoon/math/model/manoeuvre.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/noise/white_noise.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
 
-/// Vehicle i >= 1. Starts at its start_place() + p_i, with p_i ~ N(mean, variance) drawn at step -1. Its input is the
-/// received position of its predecessor minus delta.
+/// Vehicle i >= 1. Starts at its start_place() + p_i, with p_i ~ N(mean, variance) drawn at step -1.
 class FollowerVehicle {
 public:
   /// Throws std::invalid_argument unless the variance of the initial positions is finite and >= 0.
@@ -22,25 +24,35 @@ public:
   /// Step -1 of realizations first .. first + count - 1; writes y_i(-1) [m].
   void start(std::uint64_t first_realization, std::size_t count, std::vector<double>& positions);
 
-  /// Computes the vehicle's position at step k + 1 from the predecessor's received position at step k. All arrays have
-  /// the size of the batch. A vehicle with feed-forward also needs the predecessor's input as received at step k; any
-  /// vehicle by parts writes its own input u(k), which is sent at step k + 1 (see Input).
-  void step(const double* received, double* positions, const double* heard = nullptr, double* own_input = nullptr) {
-    loop_->step(received, standstill_distance_, positions, {heard, feed_forward_gain_, own_input});
-  }
+  using Received = std::vector<const double*>;
+
+  /// Computes the vehicle's position at step k + 1 from its inputs as received at step k, in the order of
+  /// VehicleModel::inputs. All arrays have the size of the batch. A vehicle by parts writes its own input u(k), which
+  /// is sent at step k + 1 (see Input), unless that is null.
+  void step(const Received& received, double* positions, double* own_input = nullptr);
   void step(const std::vector<double>& received, std::vector<double>& positions) {
     positions.resize(received.size());
-    step(received.data(), positions.data());
+    step({received.data()}, positions.data());
   }
 
 private:
+  /// The sums over the inputs of a vehicle that hears others than its predecessor.
+  struct Sums {
+    std::vector<Input> inputs;
+    double own_speed, own_acceleration;         ///< gains of D y [1/s^2] and D^2 y [1/s^2]
+    std::array<AlignedValues, 3> own = {};      ///< y(k), y(k-1), y(k-2)
+    AlignedValues position = {}, forward = {};  ///< of the positions, and of all other signals
+  };
+  void sum(const Received& received);
+
   std::unique_ptr<LoopBatch> loop_;
   WhiteNoise noise_;
   double initial_place_ = 0.0;      ///< mean [m]
   double slope_ = 0.0;              ///< start_slope() [m]
   double initial_deviation_ = 0.0;  ///< [m]
-  double standstill_distance_ = 0.0;
+  double offset_ = 0.0;             ///< delta, times the spacing_in_vehicles() [m]
   double feed_forward_gain_ = 0.0;  ///< F; 0 without a radio
+  std::optional<Sums> sums_;        ///< none: the vehicle hears its predecessor alone
   std::uint32_t index_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 
 namespace platoon {
 
@@ -99,6 +100,10 @@ std::complex<long double> power(std::complex<long double> z, std::size_t n) {
     z *= z;
   }
   return product;
+}
+
+std::complex<long double> turned(std::complex<long double> z, std::int64_t n) {
+  return power(n < 0 ? std::conj(z) : z, static_cast<std::size_t>(std::abs(n)));
 }
 
 long double magnitude(const CirclePolynomial& p, long double t) {

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -27,6 +28,9 @@ long double circle_coordinate(double frequency, Centre centre);
 /// A point e^{jw} of the unit circle by its offset from the nearer of 1 and -1, without cancellation.
 struct CirclePoint {
   explicit CirclePoint(double w);
+
+  /// e^{jw} - 1, of the digits of the offset.
+  std::complex<long double> from_one() const { return centre == Centre::kOne ? offset : offset - 2.0L; }
 
   double frequency;
   Centre centre;
@@ -67,6 +71,9 @@ inline std::complex<long double> evaluate(const CirclePolynomial& p, std::comple
 
 /// z^n by squaring.
 std::complex<long double> power(std::complex<long double> z, std::size_t n);
+
+/// z^n, n of either sign, on the unit circle.
+std::complex<long double> turned(std::complex<long double> z, std::int64_t n);
 
 /// sum_i |p_i| |t|^i, the scale of the rounding error of p(t).
 long double magnitude(const CirclePolynomial& p, long double t);

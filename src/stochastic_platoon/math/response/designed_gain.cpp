@@ -19,11 +19,6 @@ long double excess_of(Complex w) {
   return 2.0L * w.real() + std::norm(w);
 }
 
-/// z^n, n of either sign, on the unit circle.
-Complex turned(Complex z, std::int64_t n) {
-  return power(n < 0 ? std::conj(z) : z, static_cast<std::size_t>(std::abs(n)));
-}
-
 /// 1 - z^n on the unit circle, without cancellation near z = 1.
 Complex one_minus_power(double frequency, std::int64_t n) {
   const long double half = 0.5L * static_cast<long double>(n) * static_cast<long double>(frequency);
@@ -70,8 +65,7 @@ DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed
 }
 
 DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& links) const {
-  const bool near = point.centre == Centre::kOne;
-  const Complex s = near ? point.offset : point.offset - 2.0L, z = 1.0L + s;
+  const Complex s = point.from_one(), z = 1.0L + s;
   const long double from_one = -s.real();  // 1 - cos w
   const Complex n = evaluate(numerator_, s), d = evaluate(denominator_, s) * turned(z, delay_);
   const Complex policy = Complex(1.0L + headway_) - headway_ * std::conj(z);

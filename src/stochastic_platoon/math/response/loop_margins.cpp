@@ -59,7 +59,7 @@ std::vector<double> crossovers(const OpenLoop& loop) {
 /// arg(-L) in (-pi, pi]: the lag that turns L to -1.
 long double lag_to_minus_one(const OpenLoop& loop, double frequency) {
   const CirclePoint point(frequency);
-  const Complex s = point.centre == Centre::kOne ? point.offset : point.offset - 2.0L;
+  const Complex s = point.from_one();
   const Complex undelayed = evaluate(rounded_delta(loop.numerator), s) / evaluate(rounded_delta(loop.denominator), s);
   const long double turned = static_cast<long double>(loop.delay) * static_cast<long double>(frequency);
   return std::arg(-undelayed * std::polar(1.0L, -turned));

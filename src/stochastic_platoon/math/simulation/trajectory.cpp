@@ -1,7 +1,7 @@
 #include "stochastic_platoon/math/simulation/trajectory.hpp"
 
 #include <algorithm>
-#include <optional>
+#include <deque>
 #include <utility>
 
 #include "stochastic_platoon/math/channel/link.hpp"
@@ -26,17 +26,22 @@ Trajectory of_leader(const PlatoonModel& model, std::size_t steps, bool has_inpu
   return of;
 }
 
+// y(k), y(k-1), ...; index k of the positions.
+Signal::Own<double> own_positions(const Trajectory& of, std::size_t k, double slope) {
+  Signal::Own<double> own{};
+  for (std::size_t j = 0; j < own.size(); ++j) {
+    const std::size_t back = std::min(j, k);
+    own[j] = position_before(of.position[k - back], j - back, slope);
+  }
+  return own;
+}
+
 std::vector<double> values_of(const Signal& signal, const Trajectory& predecessor, const Trajectory& of, double slope) {
   std::vector<double> values;
   if (signal.is_input) return {of.input.begin() + 1, of.input.end()};
   for (std::size_t k = 1; k < of.position.size(); ++k) {
     check_interruption();
-    Signal::Own<double> own{};
-    for (std::size_t j = 0; j < own.size(); ++j) {
-      const std::size_t back = std::min(j, k);
-      own[j] = position_before(of.position[k - back], j - back, slope);
-    }
-    values.push_back(signal(predecessor.position[k], own));
+    values.push_back(signal(predecessor.position[k], own_positions(of, k, slope)));
   }
   return values;
 }
@@ -48,37 +53,53 @@ void for_each_trajectory(const PlatoonModel& model, const WhiteNoise& noise, std
                          const std::function<void(const Trajectory&)>& take) {
   const auto count = static_cast<std::size_t>(steps);
   const double slope = start_slope(model);
-  Trajectory predecessor = of_leader(model, count, sends_input(model, 0, followers) || has_limits(model));
-  take(predecessor);
+  const std::size_t farthest = farthest_ahead(model);
+  const Trajectory leader = of_leader(model, count, sends_input(model, 0, followers) || has_limits(model));
+  std::deque<Trajectory> ahead{leader};  // trajectories of the vehicles directly ahead, the nearest first
+  take(leader);
   for (std::uint32_t i = 1; i <= followers; ++i) {
-    const bool hears = vehicle(model, i).radio() != nullptr,
-               has_input = sends_input(model, i, followers) || measures_input(model, signals, i);
+    const std::vector<Input>& inputs = vehicle(model, i).inputs;
+    const bool has_input = sends_input(model, i, followers) || measures_input(model, signals, i);
     FollowerVehicle follower(model, noise, i);
-    Link link(model, noise, i);
-    std::optional<Link> radio;
-    if (hears) radio.emplace(model, noise, i, 1);
+    std::vector<Link> links;
+    std::vector<const Trajectory*> sources;
+    for (std::uint32_t n = 0; n < inputs.size(); ++n) {
+      links.emplace_back(model, noise, i, n);
+      const std::size_t source = source_of(inputs[n], i);
+      sources.push_back(source == 0 ? &leader : &ahead[i - 1 - source]);
+    }
+    const Trajectory& predecessor = ahead.front();
     Trajectory of;
+    of.received.resize(inputs.size());
     of.position.resize(1);
     follower.start(realization, 1, of.position);
     if (has_input) of.input.push_back(0.0);
+    std::vector<double> received(inputs.size());
+    FollowerVehicle::Received places;
+    for (const double& value : received) places.push_back(&value);
     for (std::size_t k = 0; k < count; ++k) {
       check_interruption();
       const std::int64_t sent_at = static_cast<std::int64_t>(k) - 1;
-      double received, heard = 0.0, position, input = 0.0;
+      double position, input = 0.0;
       const LinkEnds before = k > 0 ? LinkEnds{&predecessor.position[k - 1], &of.position[k - 1]} : LinkEnds{};
-      link.transmit(sent_at, realization, &predecessor.position[k], 1, &received, before);
-      if (hears) radio->transmit(sent_at, realization, &predecessor.input[k], 1, &heard, before);
-      follower.step(&received, &position, hears ? &heard : nullptr, has_input ? &input : nullptr);
+      for (std::size_t n = 0; n < inputs.size(); ++n) {
+        const InputSignal signal = inputs[n].signal;
+        double sent = signal == InputSignal::input ? sources[n]->input[k] : sources[n]->position[k];
+        if (is_difference(signal))
+          sent = difference(signal, model.sample_period)(0.0, own_positions(*sources[n], k, slope));
+        links[n].transmit(sent_at, realization, &sent, 1, &received[n], before);
+        of.received[n].push_back(received[n]);
+      }
+      follower.step(places, &position, has_input ? &input : nullptr);
       of.position.push_back(position);
-      of.received.push_back(received);
-      if (hears) of.received_input.push_back(heard);
       if (has_input) of.input.push_back(input);
     }
     const FollowerSignals computed = signals_of(model, signals, i);
     of.signals.push_back(values_of(computed.error, predecessor, of, slope));
     for (const Signal& signal : computed.requested) of.signals.push_back(values_of(signal, predecessor, of, slope));
     take(of);
-    predecessor = std::move(of);
+    ahead.push_front(std::move(of));
+    if (ahead.size() > farthest) ahead.pop_back();
   }
 }
 

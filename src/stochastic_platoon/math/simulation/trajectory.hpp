@@ -14,9 +14,9 @@ namespace platoon {
 /// One vehicle in one realization. Sequences begin at step -1 and have steps + 1 values, unless stated.
 struct Trajectory {
   std::vector<double> position;  ///< y_i(k) [m]
-  std::vector<double> received;  ///< y_{i-1}(k) as received [m], up to step steps - 2; empty for vehicle 0
-  std::vector<double> input;     ///< v_i(k) = u_i(k-1) [m/s^2]; empty if no follower receives it and it is not measured
-  std::vector<double> received_input;  ///< v_{i-1}(k) as received, as many as `received`; empty without a radio
+  /// Each of VehicleModel::inputs as received, up to step steps - 2; empty for vehicle 0.
+  std::vector<std::vector<double>> received;
+  std::vector<double> input;  ///< v_i(k) = u_i(k-1) [m/s^2]; empty if no follower receives it and it is not measured
   /// From step 0 on: the tracking error, then the signals of the given names; empty for vehicle 0.
   std::vector<std::vector<double>> signals;
 };

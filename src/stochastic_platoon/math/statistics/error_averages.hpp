@@ -56,6 +56,10 @@ public:
   /// Moments per cell (see SignalCells), or of the errors of each follower for averages over time.
   virtual std::vector<Moments> moments() const = 0;
 
+  /// Over time, while some follower has no average yet: of each such follower, moments over the latest part of its
+  /// errors so far, which the burn-in excludes from moments(). Else empty.
+  virtual std::vector<Moments> provisional() const { return {}; }
+
   /// Over time: the measured share of independent errors of each follower (see BatchMeans); else empty.
   virtual std::vector<IndependentShare> shares() const { return {}; }
 

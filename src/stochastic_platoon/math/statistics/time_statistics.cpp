@@ -44,6 +44,13 @@ bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
   return step >= counted_from_ + (counted_from_ > burn_in_ ? hops : 0);
 }
 
+// Whether a manoeuvre affects the error directly; the burn-in behind it is not included.
+bool TimeStatistics::departs(std::size_t follower, std::int64_t step) const {
+  if (departed_ == kNever) return false;
+  const std::int64_t hops = static_cast<std::int64_t>(follower) - 1;
+  return step >= departed_ + hops && step < counts_from_ - burn_in_ + hops;
+}
+
 void TimeStatistics::add(const ReducedSignals& signals) {
   // With one realization the mean is the error itself.
   followers_.at(signals.follower - 1).early.emplace(signals.step, signals.nodes.front().front().mean);
@@ -56,7 +63,10 @@ void TimeStatistics::count_due(std::size_t index) {
   for (auto next = follower.early.begin(); next != follower.early.end() && next->first == follower.next_step;
        next = follower.early.erase(next), ++follower.next_step) {
     if (leader_step_ != kNever && next->first > leader_step_ + hops) return;
-    if (!counts(index, next->first)) continue;
+    if (!counts(index, next->first)) {
+      if (!measured(index - 1) && !departs(index, next->first)) follower.provisional.add(next->second);
+      continue;
+    }
     follower.moments.add(next->second);
     batches_[index - 1].add(next->second);
   }
@@ -76,6 +86,17 @@ std::vector<Moments> TimeStatistics::moments() const {
   std::vector<Moments> all;
   for (std::size_t i = 0; i < followers_.size(); ++i) all.push_back(merge(earlier_[i], followers_[i].moments));
   return all;
+}
+
+std::vector<Moments> TimeStatistics::provisional() const {
+  std::vector<Moments> all(followers_.size());
+  bool any = false;
+  for (std::size_t i = 0; i < followers_.size(); ++i) {
+    if (measured(i)) continue;
+    all[i] = followers_[i].provisional.moments();
+    any = any || all[i].count > 0;
+  }
+  return any ? all : std::vector<Moments>();
 }
 
 std::vector<IndependentShare> TimeStatistics::shares() const {

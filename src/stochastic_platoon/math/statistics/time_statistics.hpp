@@ -9,6 +9,7 @@
 
 #include "stochastic_platoon/math/statistics/batch_means.hpp"
 #include "stochastic_platoon/math/statistics/error_averages.hpp"
+#include "stochastic_platoon/math/statistics/recent_moments.hpp"
 
 namespace platoon {
 
@@ -18,6 +19,9 @@ namespace platoon {
 /// A manoeuvre of the leader in steps a .. b departs from the model. It excludes the errors that it affects, zeta_i(k)
 /// for k >= a + i - 1, up to a burn-in after its end, k <= b + i - 1 + burn_in. The decision requires the leader's step
 /// k - i + 1, the latest on which zeta_i(k) depends.
+///
+/// Until a follower has an average, provisional() has the moments of the latest of its errors, those of a manoeuvre
+/// left out. They serve displays alone.
 ///
 /// The errors of a follower are added in the order of their steps, not of their arrival, so the sums have the same
 /// bits. Successive errors are correlated: shares() measures their share of independent errors.
@@ -37,17 +41,21 @@ public:
   std::int64_t counted_from() const override;
   /// One per follower; count is the number of steps in it.
   std::vector<Moments> moments() const override;
+  std::vector<Moments> provisional() const override;
   std::vector<IndependentShare> shares() const override;
   const EnsembleTotals* totals() const override { return nullptr; }
 
 private:
   struct Follower {
     Moments moments;
+    RecentMoments provisional;
     std::int64_t next_step = 0;            ///< next step to add
     std::map<std::int64_t, double> early;  ///< zeta_i of steps received early [m]
   };
   void count_due(std::size_t index);
   bool counts(std::size_t follower, std::int64_t step) const;
+  bool departs(std::size_t follower, std::int64_t step) const;
+  bool measured(std::size_t index) const { return earlier_[index].count + followers_[index].moments.count > 0; }
 
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   std::int64_t burn_in_;

@@ -68,11 +68,12 @@ std::size_t settled_followers(const PlatoonModel& model, std::size_t followers, 
 }
 
 std::vector<std::string> contradictions(const PlatoonModel& model, const TheoryFigures& figures) {
+  const bool plain = hears_predecessors_only(model);  // else variances may fall along the string
   std::vector<std::string> found;
   for (const std::optional<std::string>& contradiction :
        {between_table_and_stationary_value(model, figures),
-        along_the_string(figures.stationary_variance, type_order(model).size()),
-        beside_limit(figures.stability, figures.stationary_variance)}) {
+        plain ? along_the_string(figures.stationary_variance, type_order(model).size()) : std::nullopt,
+        plain ? beside_limit(figures.stability, figures.stationary_variance) : std::nullopt}) {
     if (contradiction) found.push_back(*contradiction);
   }
   return found;

@@ -44,7 +44,7 @@ public:
   double operator()(double frequency) const {
     const CirclePoint point(frequency);
     const long double w = frequency;
-    const Complex s = point.centre == Centre::kOne ? point.offset : point.offset - 2.0L;
+    const Complex s = point.from_one();
     const Complex policy = Complex(1.0L + headway_) - headway_ * std::conj(1.0L + s);
     const Complex n = evaluate(numerator_, s) * std::polar(1.0L, -delay_ * w), d = evaluate(denominator_, s);
     const long double closed = filtered_ ? std::norm(policy * (d + n)) : std::norm(d + policy * n);

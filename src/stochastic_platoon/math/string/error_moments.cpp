@@ -13,6 +13,7 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
+#include "stochastic_platoon/math/string/hearing_moments.hpp"
 
 namespace platoon {
 
@@ -141,6 +142,10 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
 
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
+  if (!hears_predecessors_only(model)) {
+    SignalMoments errors = std::move(hearing_moments(model, {}, followers, steps).front());
+    return {steps, followers, std::move(errors.mean), std::move(errors.variance)};
+  }
   if (start_slope(model) != 0.0) {
     ErrorMoments moments = error_moments(in_moving_frame(model), followers, steps);
     for (std::size_t c = 0; c < moments.mean.size(); ++c) {

@@ -9,54 +9,13 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/string/hearing_moments.hpp"
 
 namespace platoon {
 
 namespace {
 
 using Sequence = MeanVehicle::Sequence;
-
-/// y_{i-1} - y_i (of relative signals only) plus factor D^order y_i, or the input; from step -1 on, without offsets.
-Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Motion& motion) {
-  if (signal.is_input) return motion.input;
-  const Sequence& own = motion.position;
-  Sequence values(own.size(), 0.0L);
-  check_interruption();
-  if (signal.order > 0) {
-    values = own;
-    for (int n = 0; n < signal.order; ++n) {
-      for (std::size_t a = values.size(); --a > 0;) values[a] -= values[a - 1];
-      values[0] = 0.0L;
-    }
-    for (long double& value : values) value *= static_cast<long double>(signal.factor);
-  }
-  if (signal.relative) {
-    for (std::size_t a = 0; a < values.size(); ++a) values[a] += predecessor[a] - own[a];
-  }
-  return values;
-}
-
-/// Contribution of one source to the moments of one signal of one follower, per step.
-struct Share {
-  Sequence variance, covariance;
-
-  explicit Share(const Sequence& response, bool is_noise) {
-    check_interruption();
-    for (std::size_t a = 1; a < response.size(); ++a) {
-      variance.push_back(response[a] * response[a]);
-      covariance.push_back(response[a - 1] * response[a]);
-    }
-    if (!is_noise) return;
-    for (Sequence* sums : {&variance, &covariance}) {
-      for (std::size_t k = 1; k < sums->size(); ++k) (*sums)[k] += (*sums)[k - 1];
-    }
-  }
-
-  void add(const Share& other) {
-    for (std::size_t k = 0; k < variance.size(); ++k) variance[k] += other.variance[k];
-    for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k] += other.covariance[k];
-  }
-};
 
 class SignalTables {
 public:
@@ -104,11 +63,11 @@ private:
   // A follower has the shares of the sources 0, M, 2 M, ... vehicles nearer to the front, M the length of the pattern.
   void add_source(std::size_t place, Motion motion, double variance, bool is_noise) {
     const std::size_t period = responses_.period();
-    std::vector<std::vector<Share>> sums(period);  // of the last M followers, one entry per signal
+    std::vector<std::vector<ResponseProducts>> sums(period);  // of the last M followers, one entry per signal
     const auto add = [&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
-      std::vector<Share>& before = sums[i % period];
+      std::vector<ResponseProducts>& before = sums[i % period];
       for (std::size_t s = 0; s < moments_.size(); ++s) {
-        const Share share(signal_values(signals_[i][s], predecessor, passed.own), is_noise);
+        const ResponseProducts share(signal_values(signals_[i][s], predecessor, passed.own), is_noise);
         if (before.size() == s) {
           before.push_back(share);
         } else {
@@ -141,6 +100,11 @@ std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for signal_moments()");
+  if (!hears_predecessors_only(model)) {
+    std::vector<SignalMoments> all = hearing_moments(model, names, followers, steps);
+    all.erase(all.begin());
+    return all;
+  }
   for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
   const bool moves = start_slope(model) != 0.0, has_input = std::count(names.begin(), names.end(), kInput) > 0;
   PlatoonModel computed = moves ? in_moving_frame(model) : model;

@@ -2,6 +2,7 @@
 
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
 
 namespace platoon {
 
@@ -23,6 +24,7 @@ double metres_per_step(const PlatoonModel& model) {
 
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers) {
   require_followers(followers);
+  if (!hears_predecessors_only(model)) return hearing_variances(model, followers);
   const LinkedPattern pattern(model);
   if (!pattern.mean_square_stable()) return std::vector<double>(followers, kNaN);
   return stationary_variances(pattern, metres_per_step(model), followers);
@@ -37,6 +39,7 @@ std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonMo
 
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {
   require_followers(followers);
+  if (!hears_predecessors_only(model)) return hearing_means(model, followers);
   const LinkedPattern pattern(model);
   std::vector<double> means(followers, kNaN);
   if (!pattern.mean_square_stable()) return means;

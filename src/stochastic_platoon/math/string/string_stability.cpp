@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
@@ -114,6 +115,7 @@ std::string gain_name(const PlatoonModel& model) {
 }
 
 StringStability string_stability(const PlatoonModel& model) {
+  if (!hears_predecessors_only(model)) return hearing_stability(model);
   const LinkedPattern pattern(model);
   StringStability verdict;
   verdict.spectral_radius = pattern.spectral_radius();

@@ -106,9 +106,9 @@ void Follower::move_on(const Message& received, const Message* input) {
   }
   if (run_state_->schedule.is_last_step(id.step)) return;
   const Own next = new_messages(size);
-  run_state_->vehicle.step(received.position.data(), next.position->position.data(),
-                           input != nullptr ? input->position.data() : nullptr,
-                           next.input ? next.input->position.data() : nullptr);
+  FollowerVehicle::Received all{received.position.data()};
+  if (input != nullptr) all.push_back(input->position.data());
+  run_state_->vehicle.step(all, next.position->position.data(), next.input ? next.input->position.data() : nullptr);
   if (run_state_->is_ahead) {
     publish(next, {id.attempt, id.first_realization, id.step + 1}, later(stamp, run_state_->period));
   } else {

@@ -18,7 +18,6 @@ namespace {
 constexpr std::size_t kMostLabels = 30;
 // Smoothing of the view per snapshot: keeps the camera still while the last vehicle oscillates.
 constexpr double kSmoothing = 0.05;
-constexpr double kClosed = 0.5;  // share of the desired distance below which a gap is closed
 
 geometry_msgs::TransformStamped frame(const std::string& name, double x, const ros::Time& time) {
   geometry_msgs::TransformStamped made;
@@ -30,12 +29,20 @@ geometry_msgs::TransformStamped frame(const std::string& name, double x, const r
   return made;
 }
 
+std::vector<double> lengths_of(const Configuration& configuration) {
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i <= configuration.run.followers; ++i)
+    lengths.push_back(vehicle(configuration.model, i).length);
+  return lengths;
+}
+
 }  // namespace
 
 Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
     : membership_(platoon, "markers", run_identity(configuration), std::move(superseded)),
       run_(configuration.run),
       variance_(predict(configuration).variance),
+      lengths_(lengths_of(configuration)),
       markers_(platoon.advertise<visualization_msgs::MarkerArray>("markers", 1)),
       frames_(platoon.advertise<tf2_msgs::TFMessage>("/tf", 10)) {
   snapshots_ = platoon.subscribe(kSnapshotTopic, 1, &Markers::receive, this);
@@ -50,13 +57,13 @@ void Markers::receive(const stochastic_platoon::Snapshot::ConstPtr& message) {
   publish_frames(*message, time);
   if (markers_.getNumSubscribers() == 0) return;
   const std::size_t every = 1 + run_.followers / kMostLabels;
-  std::vector<SceneVehicle> vehicles{{0.0, std::nan(""), std::nan(""), false, "leader"}};
+  std::vector<SceneVehicle> vehicles{{0.0, lengths_[0], std::nan(""), std::nan(""), false, "leader"}};
   for (std::size_t i = 1; i <= run_.followers; ++i) {
     const double x = position[i] - position[0], error = message->tracking_error[i - 1];
-    const double distance = position[i - 1] - position[i];
+    const double gap = position[i - 1] - position[i] - lengths_[i - 1];
     const std::size_t cell =
         run_.averaging() == Averaging::over_time ? i - 1 : platoon::cell(i, message->step, run_.steps);
-    SceneVehicle shown{x, x + error, std::sqrt(variance_[cell]), distance < kClosed * (distance - error), ""};
+    SceneVehicle shown{x, lengths_[i], x + error, std::sqrt(variance_[cell]), is_closing(gap, error), ""};
     if (i % every == 0 || i == run_.followers) shown.label = formatted("%zu\n%+.1f", i, error);
     vehicles.push_back(shown);
   }
@@ -66,7 +73,7 @@ void Markers::receive(const stochastic_platoon::Snapshot::ConstPtr& message) {
 // Frames instead of poses: other RViz displays can be attached to a vehicle.
 void Markers::publish_frames(const stochastic_platoon::Snapshot& snapshot, const ros::Time& time) {
   const double leader = snapshot.position.front();
-  const double tail = snapshot.position.back() - leader;
+  const double tail = snapshot.position.back() - lengths_.back() - leader;
   tail_ = tail_ == 0.0 || std::abs(tail - tail_) > 100.0 ? tail : tail_ + kSmoothing * (tail - tail_);
   tf2_msgs::TFMessage frames;
   for (std::size_t i = 0; i < snapshot.position.size(); ++i)

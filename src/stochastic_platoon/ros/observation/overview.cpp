@@ -82,6 +82,13 @@ void add_cells(const Columns& columns, Overview& message) {
   }
 }
 
+void add_provisional(const RunResult& result, Overview& message) {
+  for (const Moments& of : result.provisional) {
+    message.provisional_mean.push_back(of.known_mean());
+    message.provisional_variance.push_back(of.variance());
+  }
+}
+
 void add_gaps(const Prediction& prediction, const RunResult& result, Overview& message) {
   if (result.gaps.empty() || result.realizations == 0) return;
   for (const FollowerGaps& of : result.gaps.followers()) {
@@ -117,6 +124,7 @@ Overview overview_of(const RunOptions& run, const Prediction& prediction, const 
   add_verdict(prediction, message);
   const Columns columns = columns_of(run, prediction, result);
   add_cells(columns, message);
+  add_provisional(result, message);
   add_gaps(prediction, result, message);
   // Evaluating all cells of a run of millions would take longer than the second until the next message.
   const bool all = result.complete || result.moments.size() <= kMostCells;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace platoon {
 
@@ -11,8 +12,10 @@ using visualization_msgs::Marker;
 
 namespace {
 
-constexpr double kLength = 3.0, kWidth = 1.7;  // [m] of a vehicle's body; the model has none
-constexpr double kLane = 3.6;                  // [m]
+constexpr double kPoint = 3.0, kWidth = 1.7;  // [m] length of a drawn point; width of all vehicles
+constexpr double kLongestCar = 5.5;           // [m]: longer vehicles have the cabin of such a car at their front
+constexpr double kClosed = 0.5;               // share of the desired gap
+constexpr double kLane = 3.6;                 // [m]
 constexpr double kDash = 4.0, kDashPeriod = 12.0, kPostPeriod = 24.0;
 constexpr double kBefore = 60.0, kBehind = 40.0;  // [m] of road beyond the string
 
@@ -115,6 +118,10 @@ void add_road(Scene& scene, double from, double to, double travelled) {
   });
 }
 
+double drawn_length(const SceneVehicle& vehicle) {
+  return vehicle.length > 0.0 ? vehicle.length : kPoint;
+}
+
 // Desired position of each vehicle, plus and minus two standard deviations, and the closing gaps.
 void add_places(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   int id = 0;
@@ -131,41 +138,53 @@ void add_places(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   Marker& gaps = add_lines(scene, "closing", kWidth, rgba(0.95, 0.05, 0.05));
   for (std::size_t i = 1; i < vehicles.size(); ++i) {
     if (!vehicles[i].closing) continue;
-    const double nose = vehicles[i].x + 0.5 * kLength, tail = vehicles[i - 1].x - 0.5 * kLength;
-    add_line(gaps, std::min(nose, tail - 0.2), std::max(nose, tail), 0.0, 0.1);
+    const double front = vehicles[i].x, rear = vehicles[i - 1].x - drawn_length(vehicles[i - 1]);
+    add_line(gaps, std::min(front, rear - 0.2), std::max(front, rear), 0.0, 0.1);
   }
   if (gaps.points.empty()) gaps.action = Marker::DELETE;
 }
 
-void add_vehicles(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
+// All vehicles of one length: the solids of a list have one size.
+void add_vehicles(Scene& scene, const std::vector<SceneVehicle>& vehicles, double length, int id) {
+  const double cabin = std::min(length, kLongestCar);
   const auto list = [&](const std::string& name, int type, double x, double y, double z, const auto& each) {
     Marker& made = scene.add(name, type, x, y, z);
-    for (std::size_t i = 0; i < vehicles.size(); ++i) each(made, vehicles[i].x, colour_of(i, vehicles.size()));
+    made.id = id;
+    for (std::size_t i = 0; i < vehicles.size(); ++i)
+      if (drawn_length(vehicles[i]) == length) each(made, vehicles[i].x, colour_of(i, vehicles.size()));
   };
   const auto put = [](Marker& made, double x, double y, double z, const ColorRGBA& painted) {
     made.points.push_back(point(x, y, z));
     made.colors.push_back(painted);
   };
-  list("bodies", Marker::CUBE_LIST, kLength, kWidth, 0.65,
-       [&](Marker& made, double x, const ColorRGBA& own) { put(made, x, 0.0, 0.62, own); });
-  list("windows", Marker::CUBE_LIST, 0.56 * kLength, 0.9 * kWidth, 0.42, [&](Marker& made, double x, const ColorRGBA&) {
-    put(made, x - 0.1 * kLength, 0.0, 1.12, rgba(0.13, 0.16, 0.20));
-  });
-  list("roofs", Marker::CUBE_LIST, 0.5 * kLength, 0.88 * kWidth, 0.1,
-       [&](Marker& made, double x, const ColorRGBA& own) {
-         put(made, x - 0.1 * kLength, 0.0, 1.37, mixed(own, rgba(1, 1, 1), 0.15F));
+  list("bodies", Marker::CUBE_LIST, length, kWidth, 0.65,
+       [&](Marker& made, double front, const ColorRGBA& own) { put(made, front - 0.5 * length, 0.0, 0.62, own); });
+  list("windows", Marker::CUBE_LIST, 0.56 * cabin, 0.9 * kWidth, 0.42,
+       [&](Marker& made, double front, const ColorRGBA&) {
+         put(made, front - 0.6 * cabin, 0.0, 1.12, rgba(0.13, 0.16, 0.20));
        });
-  list("lights", Marker::CUBE_LIST, 0.06, 0.35, 0.18, [&](Marker& made, double x, const ColorRGBA&) {
+  list("roofs", Marker::CUBE_LIST, 0.5 * cabin, 0.88 * kWidth, 0.1,
+       [&](Marker& made, double front, const ColorRGBA& own) {
+         put(made, front - 0.6 * cabin, 0.0, 1.37, mixed(own, rgba(1, 1, 1), 0.15F));
+       });
+  list("lights", Marker::CUBE_LIST, 0.06, 0.35, 0.18, [&](Marker& made, double front, const ColorRGBA&) {
     for (const double y : {-0.34 * kWidth, 0.34 * kWidth}) {
-      put(made, x + 0.5 * kLength, y, 0.66, rgba(1.0, 0.97, 0.75));
-      put(made, x - 0.5 * kLength, y, 0.66, rgba(0.75, 0.05, 0.05));
+      put(made, front, y, 0.66, rgba(1.0, 0.97, 0.75));
+      put(made, front - length, y, 0.66, rgba(0.75, 0.05, 0.05));
     }
   });
-  list("wheels", Marker::SPHERE_LIST, 0.66, 0.3, 0.66, [&](Marker& made, double x, const ColorRGBA&) {
-    for (const double along : {-0.31 * kLength, 0.31 * kLength}) {
-      for (const double y : {-0.47 * kWidth, 0.47 * kWidth}) put(made, x + along, y, 0.33, rgba(0.06, 0.06, 0.07));
+  list("wheels", Marker::SPHERE_LIST, 0.66, 0.3, 0.66, [&](Marker& made, double front, const ColorRGBA&) {
+    for (const double along : {0.19 * cabin, length - 0.19 * cabin}) {
+      for (const double y : {-0.47 * kWidth, 0.47 * kWidth}) put(made, front - along, y, 0.33, rgba(0.06, 0.06, 0.07));
     }
   });
+}
+
+void add_vehicles(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
+  std::set<double> lengths;
+  for (const SceneVehicle& vehicle : vehicles) lengths.insert(drawn_length(vehicle));
+  int id = 0;
+  for (const double length : lengths) add_vehicles(scene, vehicles, length, id++);
 }
 
 void add_labels(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
@@ -175,13 +194,17 @@ void add_labels(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
     if (vehicle.label.empty()) continue;
     Marker& label = scene.add("labels", Marker::TEXT_VIEW_FACING, 0.0, 0.0, 1.25);
     label.id = id;
-    label.pose.position = point(vehicle.x, 0.45 * kLane, 2.3);
+    label.pose.position = point(vehicle.x - 0.5 * drawn_length(vehicle), 0.45 * kLane, 2.3);
     label.color = rgba(1.0, 1.0, 1.0);
     label.text = vehicle.label;
   }
 }
 
 }  // namespace
+
+bool is_closing(double gap, double error) {
+  return gap < kClosed * (gap - error);
+}
 
 visualization_msgs::MarkerArray road_scene(const std::vector<SceneVehicle>& vehicles, double travelled,
                                            const ros::Time& time) {

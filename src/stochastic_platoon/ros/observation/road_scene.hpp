@@ -9,14 +9,18 @@
 
 namespace platoon {
 
-/// One vehicle on the road: x [m] along the road, 0 for the leader.
+/// One vehicle on the road: its front is at x [m] along the road, 0 for the leader.
 struct SceneVehicle {
   double x;
+  double length;     ///< [m]; 0: a point, drawn with a length of its own
   double place;      ///< [m] desired position, by its tracking error; NaN: none
   double deviation;  ///< [m] standard deviation of its tracking error by theory; NaN: none
   bool closing;      ///< whether the gap in front of it closes
   std::string label;
 };
+
+/// Whether a gap [m] is below half of its desired value, by the tracking error [m].
+bool is_closing(double gap, double error);
 
 /// The RViz markers of a platoon. `travelled`: distance that the leader has driven [m], which fixes the markings to the
 /// road.

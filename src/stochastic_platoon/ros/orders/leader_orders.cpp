@@ -15,22 +15,25 @@ LeaderOrders::LeaderOrders(ros::NodeHandle platoon, std::function<Manoeuvre&()> 
     : manoeuvre_(std::move(of_leader)) {
   advertise(platoon, "leader/brake", [](Manoeuvre& manoeuvre) {
     manoeuvre.brake();
-    return formatted("the leader brakes by %g m/s^2 until it stands", Manoeuvre::kBraking);
+    return formatted("the leader brakes by %g m/s^2 until it stands", manoeuvre.bounds().braking);
   });
   advertise(platoon, "leader/accelerate", [](Manoeuvre& manoeuvre) {
     manoeuvre.accelerate();
-    return formatted("the leader accelerates by %g m/s^2 until it is %g m/s faster", Manoeuvre::kAcceleration,
-                     Manoeuvre::kSpeedIncrease);
+    const ManoeuvreBounds of = manoeuvre.bounds();
+    return formatted("the leader accelerates by %g m/s^2 until it is %g m/s faster, to %g m/s at most", of.speed_up,
+                     of.speed_added, of.speed.upper);
   });
   advertise(platoon, "leader/sinusoid", [](Manoeuvre& manoeuvre) {
     manoeuvre.swing();
-    return formatted("the leader's speed swings by %g m/s with a period of %d steps", Manoeuvre::kAmplitude,
-                     static_cast<int>(Manoeuvre::kPeriod));
+    const ManoeuvreBounds of = manoeuvre.bounds();
+    return formatted("the leader's speed swings by %g m/s with a period of %g s", of.amplitude, of.seconds);
   });
   advertise(platoon, "leader/cruise", [](Manoeuvre& manoeuvre) {
     if (!manoeuvre.is_under_way()) return std::string("the leader drives by the model file already");
     manoeuvre.cruise();
-    return formatted("the leader returns to the speed of the model file by %g m/s^2", Manoeuvre::kAcceleration);
+    const ManoeuvreBounds of = manoeuvre.bounds();
+    return formatted("the leader returns to the speed of the model file by %g to %g m/s^2", of.back.lower,
+                     of.back.upper);
   });
   speed_ = platoon.subscribe("leader/speed", 10, &LeaderOrders::receive_speed, this);
 }

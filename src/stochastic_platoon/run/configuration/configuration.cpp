@@ -34,7 +34,9 @@ bool has_independent_losses(const PlatoonModel& model) {
 void require_feasible_theory(const PlatoonModel& model, const RunOptions& run, std::vector<std::string>& problems) {
   const double most =
       std::floor(std::sqrt(kMostLossResponses / static_cast<double>(std::max<std::int64_t>(run.steps, 1))));
-  if (run.steps == 0 || static_cast<double>(run.followers) <= most || !has_independent_losses(model)) return;
+  if (run.steps == 0 || static_cast<double>(run.followers) <= most || !has_independent_losses(model) ||
+      !hears_predecessors_only(model))
+    return;
   problems.push_back(formatted(
       "run/followers: %zu: must be at most %.0f with losses and %lld steps, as every link's losses act on every vehicle behind it (steps: 0 averages over time instead)",
       run.followers, most, static_cast<long long>(run.steps)));
@@ -49,7 +51,9 @@ void choose_steps(const PlatoonModel& model, RunOptions& run) {
   const double seconds = static_cast<double>(model.recorded_leader.size()) * model.sample_period;
   run.steps = chosen_steps(run, model.sample_period, std::max(seconds, kChosenSeconds));
   const auto followers = static_cast<double>(run.followers);
-  if (has_bursts(model) && !no_theory(model)) {
+  if (!hears_predecessors_only(model)) {
+    // The theory has no table of every step where links lose.
+  } else if (has_bursts(model) && !no_theory(model)) {
     run.steps = std::min(run.steps, most_chain_steps(model, run.followers, 0.2));
   } else if (has_independent_losses(model)) {
     run.steps = std::min(run.steps, static_cast<std::int64_t>(kMostLossResponses / (followers * followers)));

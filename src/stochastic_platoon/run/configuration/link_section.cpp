@@ -31,7 +31,7 @@ TransferFunction read_noise_filter(Section& link) {
 std::vector<double> read_predictor(Section& section, InputSignal signal) {
   if (!section.is_list("on_loss")) {
     std::vector<std::string> names{"hold", "extrapolate", "a list of weights of sum 1 for the last values used"};
-    if (signal == InputSignal::input) names.insert(names.begin() + 2, "zero");
+    if (signal != InputSignal::position) names.insert(names.begin() + 2, "zero");
     const std::string name = section.choice("on_loss", names);
     if (name == "zero") return {};
     return name == "extrapolate" ? std::vector<double>{2.0, -1.0} : std::vector<double>{1.0};

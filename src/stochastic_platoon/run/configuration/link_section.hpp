@@ -9,8 +9,8 @@ namespace platoon {
 
 /// Reads the key `channel` of a vehicle; omitted keys are as in `base`. Reports all problems, including a noise filter
 /// that is improper or unstable, a mean burst for which no Markov chain exists, a predictor whose sum is not 1 and,
-/// unless `allow_unstable`, a predictor whose predictions grow without bound. Only a lost control input may be replaced
-/// by 0 (`on_loss: zero`): the vehicle then drives by its radar alone.
+/// unless `allow_unstable`, a predictor whose predictions grow without bound. Any lost signal but a position may be
+/// replaced by 0 (`on_loss: zero`).
 LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable,
                     InputSignal signal = InputSignal::position);
 

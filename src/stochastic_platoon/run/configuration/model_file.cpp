@@ -12,6 +12,7 @@
 #include "stochastic_platoon/run/configuration/leader_section.hpp"
 #include "stochastic_platoon/run/configuration/limits_section.hpp"
 #include "stochastic_platoon/run/configuration/link_section.hpp"
+#include "stochastic_platoon/run/configuration/spacing_section.hpp"
 
 namespace platoon {
 
@@ -72,24 +73,12 @@ void read_loop(Section& section, const VehicleModel* base, double sample_period,
   }
 }
 
-// One of the keys time_headway and time_headway_seconds.
-double read_headway(Section& section, double sample_period) {
-  if (!section.has("time_headway_seconds") && !section.has("time_headway"))
-    section.reject("time_headway", "missing", "a finite number > 0, unless time_headway_seconds is given");
-  if (!section.has("time_headway_seconds"))
-    return section.has("time_headway") ? section.number("time_headway", kPositive) : 1.0;
-  if (section.has("time_headway"))
-    section.reject("time_headway_seconds", "given", "absent beside time_headway: exactly one of the two");
-  return section.number("time_headway_seconds", kPositive) / sample_period;
-}
-
 VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sample_period, bool allow_unstable) {
   VehicleModel vehicle = base != nullptr ? *base : VehicleModel{close_loop(placeholder_design(), 1.0), 1.0};
   const auto number = [&](const char* key, const Allowed& allowed, double& value) {
     if (base == nullptr || section.has(key)) value = section.number(key, allowed);
   };
-  if (base == nullptr || section.has("time_headway") || section.has("time_headway_seconds"))
-    vehicle.headway = read_headway(section, sample_period);
+  read_spacing(section, base, sample_period, vehicle);
   number("standstill_distance", kNotNegative, vehicle.standstill_distance);
   if (section.has("vehicle_length")) vehicle.length = section.number("vehicle_length", kNotNegative);
   if (section.has("limits")) read_limits(section.section("limits"), vehicle.limits);
@@ -105,8 +94,9 @@ VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sam
 
 Inherited inherited_by(Section& type, const VehicleModel& base) {
   const bool own_loop = type.has("closed_loop"), loses = base.varied_link().loss.has_value();
-  Inherited inherited{!type.has("time_headway") && !type.has("time_headway_seconds"), !own_loop && !type.has("plant"),
-                      !own_loop && !type.has("controller"), loses && !type.has("inputs"), loses && !type.has("inputs")};
+  Inherited inherited{!type.has("time_headway") && !type.has("time_headway_seconds") && !type.has("spacing"),
+                      !own_loop && !type.has("plant"), !own_loop && !type.has("controller"),
+                      loses && !type.has("inputs"), loses && !type.has("inputs")};
   if (!inherited.loss_probability || base.radio() != nullptr || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
@@ -150,10 +140,13 @@ void read_string(Section& document, PlatoonModel& model) {
 }
 
 void check_assumptions(const PlatoonModel& model, Section& document) {
+  const bool plain = hears_predecessors_only(model);
+  const std::size_t farthest = farthest_ahead(model);
   for (const VehicleType& type : model.types) {
     const bool is_default = &type == &model.types.front();
     for (const std::string& problem :
-         violated_assumptions(type.vehicle.loop, type.vehicle.headway, model.allow_unstable)) {
+         plain ? violated_assumptions(type.vehicle.loop, type.vehicle.headway, model.allow_unstable)
+               : violated_assumptions(type.vehicle, model.sample_period, farthest, model.allow_unstable)) {
       if (is_default) document.report_whole(problem);
       if (!is_default) document.report("vehicle_types/" + type.name + ": " + problem);
     }
@@ -187,7 +180,7 @@ std::optional<PlatoonModel> read_model(Section document) {
   if (document.has("vehicle_types")) read_types(document.section("vehicle_types"), model);
   if (document.has("string")) read_string(document, model);
   document.reject_unknown_keys();
-  if (document.problems() == before) check_radios(model, document);
+  if (document.problems() == before) check_hearing(model, document);
   if (document.problems() == before) check_limits(model, document);
   if (document.problems() == before) check_assumptions(model, document);
   return document.problems() == before ? std::optional<PlatoonModel>(std::move(model)) : std::nullopt;
@@ -204,10 +197,15 @@ namespace {
 
 nlohmann::json to_json(const VehicleModel& vehicle) {
   nlohmann::json document = {
-      {"time_headway", vehicle.headway},
       {"standstill_distance", vehicle.standstill_distance},
-      {"noise_variance", vehicle.position().noise_variance},
       {"initial_position", {{"mean", vehicle.initial_position.mean}, {"variance", vehicle.initial_position.variance}}}};
+  if (vehicle.constant_spacing) {
+    document["spacing"] = "constant";
+  } else {
+    document["time_headway"] = vehicle.headway;
+  }
+  if (vehicle.own_acceleration != 0.0) document["own_acceleration"] = vehicle.own_acceleration;
+  if (vehicle.hears_predecessor_only()) document["noise_variance"] = vehicle.position().noise_variance;
   if (vehicle.design) {
     document["plant"] = to_json(vehicle.design->plant);
     document["controller"] = controller_json(*vehicle.design);
@@ -246,18 +244,26 @@ nlohmann::json to_json(const PlatoonModel& model) {
   const VehicleModel& own = model.default_vehicle();
   const LinkModel& base = own.position().link;
   const nlohmann::json link = to_json(base);
-  if (!link.empty()) document["channel"] = link;
-  if (own.radio() != nullptr) document["inputs"] = inputs_json(own);
+  const bool plain = hears_predecessors_only(model) && own.hears_predecessor_only();
+  if (!link.empty() && own.hears_predecessor_only()) document["channel"] = link;
+  if (own.radio() != nullptr || !plain) document["inputs"] = inputs_json(own);
   for (std::size_t i = 1; i < model.types.size(); ++i) {
     const VehicleType& type = model.types[i];
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
-    written["channel"] = full_link(type.vehicle.position().link);
+    if (type.vehicle.hears_predecessor_only()) written["channel"] = full_link(type.vehicle.position().link);
+    if (type.vehicle.own_acceleration != own.own_acceleration)
+      written["own_acceleration"] = type.vehicle.own_acceleration;
+    if (own.constant_spacing && !type.vehicle.constant_spacing) written["spacing"] = "headway";
     if (type.vehicle.length != model.default_vehicle().length) written["vehicle_length"] = type.vehicle.length;
     // Inherited values stay inherited in every copy of the model.
     if (type.inherited.headway) written.erase("time_headway");
     if (type.inherited.plant) written.erase("plant");
     if (type.inherited.controller) written.erase("controller");
     if (type.inherited.plant && type.inherited.controller) written.erase("closed_loop");
+    if (!plain || !type.vehicle.hears_predecessor_only()) {
+      written["inputs"] = inputs_json(type.vehicle);
+      continue;
+    }
     const Input *const radio = type.vehicle.radio(), *const other = own.radio();
     const bool same_radio = radio != nullptr && other != nullptr ? *radio == *other : radio == other;
     if (!same_radio || (base.loss && !type.vehicle.position().link.loss)) {

@@ -49,12 +49,13 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   Analysis analysis{};
   analysis.without_theory = no_theory(model);
   std::optional<std::int64_t> most_steps;
-  if (!analysis.without_theory && has_bursts(model)) most_steps = most_chain_steps(model, followers);
+  const bool plain = hears_predecessors_only(model);
+  if (!analysis.without_theory && plain && has_bursts(model)) most_steps = most_chain_steps(model, followers);
   check_run(configuration.run, signals, most_steps);
   analysis.signals.request = signals;
   analysis.warnings = plausibility_warnings(configuration);
   const VehicleModel& own = model.default_vehicle();
-  analysis.integral_defect = integral_defect(own.loop, own.headway);
+  if (plain) analysis.integral_defect = integral_defect(own.loop, own.headway);
   // Whether one of these keys is needed; announces the stage that computes them.
   const auto needs = [&](const char* stage, std::initializer_list<const char*> computed) {
     const bool needed = keys.empty() || std::any_of(computed.begin(), computed.end(),
@@ -62,7 +63,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     if (needed) begins(stage);
     return needed;
   };
-  if (needs("rounding", {"rounding"}))
+  if (plain && needs("rounding", {"rounding"}))
     analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
   if (has_limits(model) && needs("the same cars without limits", {"linear"})) {
     analysis.linear = std::make_shared<const Analysis>(analyze(linear_configuration(configuration), signals, begins));
@@ -73,14 +74,16 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
             {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable", "loss_gain",
              "limit_variance", "reason", "contradictions", "bounds", "norms", "signals", "collision", "amplification"}))
     analysis.stability = string_stability(model);
-  if (needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
+  if (plain && needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
     analysis.robustness.margins = loop_margins(model);
-  if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_radio_delay = critical_delay(model);
+  if (plain && needs("critical delay", {"critical_delay"}))
+    analysis.robustness.critical_radio_delay = critical_delay(model);
   if (needs("stationary variances", {"stationary_variance", "contradictions"}))
     analysis.stationary_variance = stationary_variances(model, followers);
-  if (has_radios(model) && needs("shares by input", {"stationary_variance_by_input"}))
+  if (plain && has_radios(model) && needs("shares by input", {"stationary_variance_by_input"}))
     analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
-  if (needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
+  const bool has_table = plain || has_normal_errors(model);
+  if (has_table && needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
     analysis.moments = error_moments(model, followers, steps);
     analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   }
@@ -91,6 +94,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.bounds = theorem_two_bounds(model, followers, steps);
   if (!is_papers(model) && needs("stationary means", {"stationary_mean"}))
     analysis.stationary_mean = stationary_means(model, followers);
+  if (!plain) return analysis;
   if (needs("stable headways",
             {"critical_headway", "critical_headway_seconds", "critical_headway_types", "stable_headways"}))
     analysis.headways = stable_headways(model);

@@ -29,11 +29,17 @@ std::string of_types(const PlatoonModel& model, const std::vector<std::string>& 
   return text;
 }
 
-std::string peak_line(const PlatoonModel& model, const StringStability& stability) {
+/// The gain that verdicts judge, and what it leads from and to.
+std::string judged_gain(const PlatoonModel& model) {
+  if (!hears_predecessors_only(model)) return "the gain along the string";
   const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
-  return "Peak of " + gain_name(model) + ", the " + (loses ? "mean " : "") + "gain from " +
-         (pattern(model).size() > 1 ? "the position in front of the string's pattern to that of its last vehicle: "
-                                    : "a vehicle's position to its follower's: ") +
+  return gain_name(model) + ", the " + (loses ? "mean " : "") + "gain from " +
+         (pattern(model).size() > 1 ? "the position in front of the string's pattern to that of its last vehicle"
+                                    : "a vehicle's position to its follower's");
+}
+
+std::string peak_line(const PlatoonModel& model, const StringStability& stability) {
+  return "Peak of " + judged_gain(model) + ": " +
          (std::isnan(stability.peak_gain)
               ? "none, as the errors do not settle\n"
               : formatted("%.9g at w = %.6g rad/sample\n", stability.peak_gain, stability.peak_frequency));
@@ -71,6 +77,19 @@ std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
          shown(analysis.losses->intervals) + "\n";
 }
 
+/// "h = 8 (0.8 s), hears position of vehicle i-1 (0.6), position of vehicle i-2 (0.4)".
+std::string inputs_text(const VehicleModel& own, double sample_period) {
+  std::string text = own.constant_spacing ? formatted("constant spacing of %g m", own.standstill_distance)
+                                          : formatted("h = %g (%g s)", own.headway, own.headway * sample_period);
+  text += ", hears ";
+  for (const Input& input : own.inputs) {
+    const std::string source = input.ahead == Input::kLeader ? "the leader" : formatted("vehicle i-%zu", input.ahead);
+    text += (&input == &own.inputs.front() ? "" : ", ") + std::string(name_of(input.signal)) + " of " + source +
+            formatted(" (%g)", input.gain);
+  }
+  return text;
+}
+
 std::string burst_line(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.bursts) return "";
   const CriticalBurst& bursts = *analysis.bursts;
@@ -87,9 +106,11 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   const PlatoonModel& model = configuration.model;
   const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
+  const bool plain = hears_predecessors_only(model);
   std::string text = formatted("h = %g (%g s), P_d = %g m^2", own.headway, own.headway * model.sample_period,
                                own.position().noise_variance);
-  if (own.radio() != nullptr) text += formatted(", radio %g (m/s^2)^2", own.radio()->noise_variance);
+  if (!plain) text = inputs_text(own, model.sample_period);
+  if (plain && own.radio() != nullptr) text += formatted(", radio %g (m/s^2)^2", own.radio()->noise_variance);
   text += ": ";
   if (analysis.without_theory) {
     text += "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" + age_report(model) +
@@ -103,8 +124,11 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
   text += peak_line(model, stability);
-  text += report(model, analysis.robustness);
-  text += headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
+  if (plain) {
+    text += report(model, analysis.robustness);
+    text +=
+        headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
+  }
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
@@ -123,6 +147,10 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   }
   for (const std::string& contradiction : analysis.contradictions) text += contradiction_line(contradiction);
   text += report(configuration, analysis.signals);
+  if (analysis.moments.followers == 0) {
+    text += "Mean and variance of every step: in a run only, as links lose\n" + warning_lines(analysis.warnings);
+    return text;
+  }
   text += formatted(
       "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),

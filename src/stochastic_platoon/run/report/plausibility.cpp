@@ -12,7 +12,6 @@ namespace platoon {
 
 namespace {
 
-constexpr double kHardest = 10.0, kReversing = -0.1;               // [m/s^2], [m/s]
 constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;  // [s]
 constexpr double kOneInAHundred = 2.58;                            // standard deviations, both tails
 constexpr std::size_t kMostTheory = 100'000;                       // of the theory that is computed for warnings
@@ -37,7 +36,8 @@ void add_headways(const PlatoonModel& model, std::vector<std::string>& warnings)
   types.erase(std::unique(types.begin(), types.end()), types.end());
   for (const std::size_t type : types) {
     const double headway = model.types[type].vehicle.headway, seconds = headway * model.sample_period;
-    if (seconds >= kShortestHeadway && seconds <= kLongestHeadway) continue;
+    const bool is_usual = seconds >= kShortestHeadway && seconds <= kLongestHeadway;
+    if (is_usual || model.types[type].vehicle.constant_spacing) continue;
     warnings.push_back(formatted("time_headway%s: %.6g s (%.6g sample periods of %g s): cars keep %g s to %g s",
                                  of_type(model, type).c_str(), seconds, headway, model.sample_period, kShortestHeadway,
                                  kLongestHeadway));

@@ -9,6 +9,8 @@
 namespace platoon {
 
 constexpr double kFastestCar = 60.0;  ///< [m/s]
+constexpr double kHardest = 10.0;     ///< [m/s^2]: no road vehicle brakes or accelerates more
+constexpr double kReversing = -0.1;   ///< [m/s]: slower is backwards, beyond the noise of a standing vehicle
 
 /// A sentence for each property of the platoon that no road vehicle has, with its value and unit; empty if there is
 /// none:

@@ -96,8 +96,14 @@ namespace {
 Prediction theory_of(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (const auto reason = no_theory(configuration.model)) return no_prediction(configuration, *reason);
+  const bool plain = hears_predecessors_only(configuration.model);
+  if (!plain && run.averaging() != Averaging::over_time && !has_normal_errors(configuration.model))
+    return no_prediction(
+        configuration,
+        "links lose to vehicles that hear others than their predecessor (averages over time, steps: 0, "
+        "have a theory)");
   const bool in_bursts = has_bursts(configuration.model);
-  if (in_bursts && run.steps > 0 && run.steps > most_chain_steps(configuration.model, run.followers)) {
+  if (plain && in_bursts && run.steps > 0 && run.steps > most_chain_steps(configuration.model, run.followers)) {
     return no_prediction(configuration,
                          formatted("the exact moments of losses in bursts take the square of the %lld steps",
                                    static_cast<long long>(run.steps)));
@@ -111,7 +117,7 @@ Prediction theory_of(const Configuration& configuration) {
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
     prediction.warning = burn_in_warning(configuration);
-    if (prediction.warning.empty() && !in_bursts)
+    if (prediction.warning.empty() && !in_bursts && plain)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
     ErrorMoments moments =
@@ -119,7 +125,7 @@ Prediction theory_of(const Configuration& configuration) {
             ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
             : error_moments(configuration.model, run.followers, run.steps);
     if (in_bursts) prediction.warning = kNoFourthMoments;
-    prediction.rounding = rounding_bounds(configuration.model, moments);
+    if (plain) prediction.rounding = rounding_bounds(configuration.model, moments);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
     add_signals(configuration, prediction);

@@ -30,6 +30,7 @@ struct RunResult {
   std::vector<std::int64_t> last_steps;            ///< for averages over time: the latest step of each follower
   std::int64_t counted_from = 0;                   ///< see ErrorAverages
   bool manoeuvre = false;                          ///< the leader departs from the model at present
+  std::vector<Moments> provisional = {};           ///< see ErrorAverages; for displays alone
   std::vector<IndependentShare> shares = {};       ///< for averages over time: as measured, one per follower
   std::vector<std::vector<Moments>> signals = {};  ///< of each requested signal, one cell per follower and step
   GapTable gaps = GapTable();                      ///< empty if the gap is not among them

@@ -141,6 +141,7 @@ RunResult RunStatistics::result(bool complete) const {
   result.tally = tally_;
   result.counted_from = averages_->counted_from();
   result.manoeuvre = leader_departs_;
+  result.provisional = averages_->provisional();
   result.shares = averages_->shares();
   return result;
 }

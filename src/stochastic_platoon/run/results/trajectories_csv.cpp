@@ -13,6 +13,19 @@
 
 namespace platoon {
 
+namespace {
+
+// The position and the control input of the predecessor have names of their own; any other input has that of its place.
+std::string name_of_received(const VehicleModel& vehicle, std::size_t input) {
+  const Input& of = vehicle.inputs[input];
+  const bool alone = vehicle.hears_predecessor_only();
+  if (of.signal == InputSignal::position && (alone || &of == &vehicle.position())) return "received_position";
+  if (alone) return "received_input";
+  return "received_" + std::to_string(input);
+}
+
+}  // namespace
+
 TrajectoryColumns trajectory_columns(const Configuration& configuration, std::uint64_t realization,
                                      const std::shared_ptr<const ChangedDraws>& changes) {
   const RunOptions& run = configuration.run;
@@ -35,18 +48,24 @@ TrajectoryColumns trajectory_columns(const Configuration& configuration, std::ui
     names.emplace_back(kind.name);
     columns.quantities.emplace_back(kind.name, std::vector<double>(size, kNaN));
   }
-  std::size_t begin = 0;
+  std::size_t begin = 0, vehicle_index = 0;
+  const auto add = [&](const std::string& name, const std::vector<double>& values, std::size_t first) {
+    auto column = std::find_if(columns.quantities.begin(), columns.quantities.end(),
+                               [&name](const auto& quantity) { return quantity.first == name; });
+    if (column == columns.quantities.end())
+      column = columns.quantities.insert(column, {name, std::vector<double>(size, kNaN)});
+    std::copy(values.begin(), values.end(), &column->second[begin + first]);
+  };
   for_each_trajectory(configuration.model, WhiteNoise(run.seed, changes), run.followers, run.steps, realization, names,
                       [&](const Trajectory& of) {
-                        std::size_t quantity = 0;
-                        const auto add = [&](const std::vector<double>& values, std::size_t first) {
-                          std::vector<double>& column = columns.quantities[quantity++].second;
-                          std::copy(values.begin(), values.end(), &column[begin + first]);
-                        };
-                        for (const auto* values : {&of.position, &of.received, &of.input, &of.received_input})
-                          add(*values, 0);
-                        for (const std::vector<double>& signal : of.signals) add(signal, 1);  // from step 0 on
+                        add("position", of.position, 0);
+                        add("input", of.input, 0);
+                        for (std::size_t n = 0; n < of.received.size(); ++n)
+                          add(name_of_received(vehicle(configuration.model, vehicle_index), n), of.received[n], 0);
+                        for (std::size_t s = 0; s < of.signals.size(); ++s)  // from step 0 on
+                          add(s == 0 ? "tracking_error" : names[s - 1], of.signals[s], 1);
                         begin += steps;
+                        ++vehicle_index;
                       });
   return columns;
 }

@@ -14,6 +14,8 @@ namespace platoon {
 struct TrajectoryColumns {
   std::vector<double> seconds;  ///< of steps -1, 0, ..., to ten digits [s]
   /// By name ("position", ..., "jerk"): vehicles 0, 1, ... in turn, each with a value per step; NaN where none exists.
+  /// Inputs of a vehicle that hears others than its predecessor, apart from its first position, follow as "received_n"
+  /// with their place n in the model file.
   std::vector<std::pair<std::string, std::vector<double>>> quantities;
 };
 

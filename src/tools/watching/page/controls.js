@@ -7,6 +7,20 @@ const HEADWAYS = { samples: { unit: "[T<sub>s</sub>]", min: 0.5, max: 6, step: 0
 const NOISES = { max: 2, step: 0.05 };  // [m^2]
 const input = name => document.getElementById(name);
 
+const bounds = ([low, high]) => `${short(low)} to ${short(high)}`;
+
+// What each order does, in real units, within the limits of the leader.
+function effects({ speed, acceleration, brake, accelerate, sinusoid, cruise }, fastestCar) {
+  const [, fastest] = speed, isCar = fastest <= fastestCar, known = acceleration.every(value => value !== null);
+  return {
+    brake: `${short(brake.acceleration)} m/s² until it stands`,
+    accelerate: `${short(accelerate.acceleration)} m/s², ${short(accelerate.speed)} m/s faster` + (isCar ? `, to ${short(fastest)} m/s at most` : ""),
+    sinusoid: `± ${short(sinusoid.speed)} m/s in ${short(sinusoid.seconds)} s`,
+    cruise: `back, by ${bounds(cruise.acceleration)} m/s²`,
+    speed: (isCar ? `${bounds(speed)} m/s` : `cars reach ${short(fastestCar)} m/s`) + (known ? `, by ${bounds(acceleration)} m/s²` : ", at once"),
+  };
+}
+
 export class Controls {
   constructor() {
     this.answer = document.getElementById("answer");
@@ -29,6 +43,7 @@ export class Controls {
     document.getElementById("controls-card").hidden = !endless;
     this.period = configuration?.sample_period;
     this.inSeconds = Boolean(configuration?.headway_in_seconds);
+    if (endless) this.showEffects(configuration);
     const { unit, ...range } = this.inSeconds ? HEADWAYS.seconds : HEADWAYS.samples;
     input("headway-unit").innerHTML = unit;
     Object.assign(input("headway"), range);
@@ -43,6 +58,13 @@ export class Controls {
       slider.value = this.set[name];
       this.showChange(name);
     }
+  }
+
+  showEffects({ manoeuvres, fastest_car }) {
+    const words = effects(manoeuvres, fastest_car), [min, max] = manoeuvres.speed, speed = input("speed");
+    for (const [command, text] of Object.entries(words)) document.querySelector(`[data-command=${command}] small`).textContent = text;
+    Object.assign(speed, { min, max });
+    if (!speed.checkValidity()) speed.value = max;
   }
 
   // One sample period in the slider's unit.

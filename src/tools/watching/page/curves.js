@@ -1,19 +1,9 @@
-// Mean and variance over k: measured curves broad and coloured, theory thin on top, as in the paper's figure.
+// Mean and variance over k: measured curves broad and coloured, theory thin on top, as in the paper's figure. Provisional curves are pale
+// and dashed.
 import { css, followerColour } from "./colours.js";
-import { canvasOf, label, LEFT, niceTicks, short, spread, verticalScale } from "./scale.js";
+import { canvasOf, drawGrid, label, LEFT, line, niceTicks, spread, verticalScale } from "./scale.js";
 
 const WIDE_RANGE = 1000, RIGHT = 8;
-
-function line(context, xs, values, y) {
-  let down = false;
-  context.beginPath();
-  values.forEach((v, at) => {
-    if (v === null) return void (down = false);
-    if (down) context.lineTo(xs[at], y(v)); else context.moveTo(xs[at], y(v));
-    down = true;
-  });
-  context.stroke();
-}
 
 // Draws one chart; `last`: with the axis of k below it.
 export function drawCurves(canvas, of, name, n, chosen, last) {
@@ -27,18 +17,7 @@ export function drawCurves(canvas, of, name, n, chosen, last) {
   const from = of.step[0] ?? 0, to = Math.max(of.step[of.step.length - 1] ?? 1, from + 1);
   const place = k => LEFT + (k - from) / (to - from) * (right - LEFT), xs = of.step.map(place);
 
-  context.lineWidth = 1;
-  for (const t of scale.ticks) {
-    context.strokeStyle = css("--grid");
-    context.beginPath();
-    context.moveTo(LEFT, y(t));
-    context.lineTo(right, y(t));
-    context.stroke();
-    label(context, short(t), LEFT - 7, y(t) + 4, "right");
-  }
-  label(context, name === "mean" ? "mean, m" : `variance, m²${logarithmic ? ", logarithmic" : ""}`, LEFT + 4, 11, "left");
-  context.strokeStyle = css("--soft");
-  context.strokeRect(LEFT, foot, right - LEFT, 0);
+  drawGrid(context, scale, y, foot, right, (name === "mean" ? "mean, m" : `variance, m²${logarithmic ? ", logarithmic" : ""}`) + (of.provisional ? ", provisional" : ""));
   if (last) {
     for (const k of niceTicks(from, to, 5).filter(Number.isInteger))
       label(context, k, Math.min(place(k), width - context.measureText(k).width / 2), foot + 16, "center");
@@ -47,10 +26,12 @@ export function drawCurves(canvas, of, name, n, chosen, last) {
   context.lineJoin = "round";
   of.followers.forEach((i, row) => {
     context.strokeStyle = followerColour(i, n);
-    context.globalAlpha = chosen && chosen !== i ? 0.25 : 0.8;
+    context.globalAlpha = (chosen && chosen !== i ? 0.25 : 0.8) * (of.provisional ? 0.5 : 1);
+    context.setLineDash(of.provisional ? [5, 4] : []);
     context.lineWidth = chosen === i ? 3.4 : 2.2;
     line(context, xs, measured[row], y);
   });
+  context.setLineDash([]);
   context.strokeStyle = css("--ink");
   of.followers.forEach((i, row) => {
     context.globalAlpha = chosen && chosen !== i ? 0.1 : 0.85;

@@ -4,6 +4,7 @@ import { Controls } from "./controls.js";
 import { drawCurves } from "./curves.js";
 import { GapChart } from "./gap_chart.js";
 import { facts, readout, showGaps, showHeadline, showLog, showTable } from "./words.js";
+import { Motion } from "./motion.js";
 import { Road } from "./road.js";
 import { offerSaving } from "./save.js";
 import { short } from "./scale.js";
@@ -20,12 +21,13 @@ let chosen = null, live = "connecting", source = null;
 const choose = follower => {
   if (follower === chosen) return;
   chosen = follower;
-  for (const figure of ["string", "gaps", "curves", "facts"]) stale.add(figure);
+  for (const figure of ["string", "gaps", "curves", "motion", "facts"]) stale.add(figure);
 };
 const series = new Series(card => stale.add(card));
 const road = new Road(at("road")), strip = new Strip(at("strip")), controls = new Controls(), chart = new StringChart(at("string"), choose);
 const gapChart = new GapChart(at("gaps"), choose);
-const everything = () => ["string", "gaps", "curves", "strip", "words", "facts", "road"].forEach(figure => stale.add(figure));
+const motion = new Motion(() => stale.add("motion"));
+const everything = () => ["string", "gaps", "curves", "strip", "motion", "words", "facts", "road"].forEach(figure => stale.add(figure));
 
 const take = {
   configuration(news) {
@@ -33,6 +35,7 @@ const take = {
     Object.assign(known, { configuration: news, statistics: null, curves: null, conduct: null });
     strip.replace([]);
     road.reset(news?.vehicle_lengths);
+    motion.begin(news);
     chosen = null;
     controls.take(news);
     everything();
@@ -47,7 +50,8 @@ const take = {
   snapshot(news) {
     road.take(news, performance.now());
     strip.take(news);
-    stale.add("strip").add("facts");
+    motion.take(news);
+    stale.add("strip").add("motion").add("facts");
   },
 };
 
@@ -107,6 +111,7 @@ const draw = {
     at("scale-high").textContent = `+${short(most)} m`;
     at("strip-note").textContent = "one realization: follower 1 on top, time to the right" + (logarithmic ? ", colours logarithmic" : "");
   },
+  motion() { motion.draw(chosen); },
   words() {
     showHeadline(known, live);
     if (at("table-card").open) showTable(at("table").tBodies[0], known.statistics);
@@ -130,7 +135,7 @@ function frame(now) {
     stale.delete(figure);
     draw[figure]();
   }
-  if (known.configuration && road.present) road.draw(now, known.configuration.followers, chosen);
+  if (known.configuration && road.present) road.draw(now, known.configuration.followers, chosen, motion.paced ? motion.picks : []);
 }
 
 function turnTheme() {
@@ -166,6 +171,10 @@ at("pause").addEventListener("click", togglePause);
 at("table-card").addEventListener("toggle", () => stale.add("words"));
 new ResizeObserver(everything).observe(document.body);
 controls.take(null);
-offerSaving(name => TABLES[name](known, road, strip), about);
+at("road").addEventListener("click", event => {
+  const vehicle = road.vehicleAt(event);
+  if (vehicle !== null) motion.toggle(vehicle);
+});
+offerSaving(name => TABLES[name](known, road, strip, motion), about);
 connect();
 requestAnimationFrame(frame);

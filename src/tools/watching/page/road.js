@@ -4,8 +4,9 @@ import { css, followerColour, inkOn } from "./colours.js";
 import { canvasOf, label, niceTicks, short } from "./scale.js";
 
 const LEAST_GAP = 5.0;  // [m]
-const LENGTH = 4.2;     // [m] length of a drawn vehicle if those of the model are points
+const LENGTH = 4.2;     // [m] length of a drawn vehicle, at most, if those of the model are points
 const WIDTH = 1.6;
+const FINGER = 24;      // [px]
 const FOOT = 22;        // [px] below the lanes, for the scale
 
 // A gap that four of five are below: behind a leader that stops, cars stand close ahead of others that still drive. Unstable motion
@@ -80,14 +81,11 @@ export class Road {
     this.canvas.style.height = `${count * lane + FOOT}px`;
   }
 
-  // [m]: drawn points stay apart in a dense string.
-  bodyLength(i) {
-    return this.lengths[i] || Math.min(LENGTH, 0.75 * (this.gap ?? LEAST_GAP));
-  }
-
-  // Followers that overlap the vehicle ahead, or have passed it.
-  overlapping(position) {
-    return position.flatMap((p, i) => i > 0 && position[i - 1] - p < this.bodyLength(i - 1) ? [i] : []);
+  // [m]: drawn points do not touch the vehicle behind them, which is no collision.
+  bodyLength(i, position) {
+    if (this.lengths[i]) return this.lengths[i];
+    const most = Math.min(LENGTH, 0.75 * (this.gap ?? LEAST_GAP)), behind = position[i] - position[i + 1];
+    return behind > 0 ? Math.min(most, 0.9 * behind) : most;
   }
 
   // Speeds and overlaps in words.
@@ -95,35 +93,57 @@ export class Road {
     const of = this.present;
     key.hidden = this.canvas.dataset.speeds !== "true";
     const longest = Math.max(...this.lengths, 0), shortest = Math.min(...this.lengths, longest);
-    length.textContent = longest === 0 ? `nearer than ${short(this.bodyLength(0), 2)} m` :
+    length.textContent = longest === 0 ? "gap below 0, vehicles without length" :
       longest === shortest ? `gap below 0, length ${short(longest, 3)} m` : "gap below 0";
     note.textContent = "";
     if (!of?.speed.length) return;
-    const [leader, ...others] = of.speed, over = this.overlapping(of.position), fixed = v => v.toFixed(1);
+    const [leader, ...others] = of.speed, over = of.colliding, fixed = v => v.toFixed(1);
     const slowest = others.reduce((least, v) => Math.min(least, v), Infinity), fastest = others.reduce((most, v) => Math.max(most, v), -Infinity);
     note.textContent = `leader ${fixed(leader)} m/s (${Math.round(3.6 * leader)} km/h), followers ${fixed(slowest)} to ${fixed(fastest)} m/s` +
       (over.length ? `; ${over.length} overlapping: ${over.slice(0, 8).join(", ")}${over.length > 8 ? ", …" : ""}` : "");
   }
 
-  draw(now, n, chosen) {
+  // The vehicle nearest to a click, within a finger's width in its lane; null without one.
+  vehicleAt(event) {
+    if (!this.present || !this.places) return null;
+    const box = this.canvas.getBoundingClientRect(), x = event.clientX - box.left, row = Math.floor((event.clientY - box.top) / this.lane);
+    let nearest = null, least = FINGER;
+    this.places.forEach((place, i) => {
+      if (place.row !== row || !(Math.abs(place.x - x) < least)) return;
+      nearest = i;
+      least = Math.abs(place.x - x);
+    });
+    return nearest;
+  }
+
+  draw(now, n, chosen, picks) {
     if (!this.present) return canvasOf(this.canvas);
     const { context, width, height } = canvasOf(this.canvas), { across, count, lane, speeds } = this.lanes(n, width);
     const position = this.positions(now);
     const wanted = Math.max(usualGap(position), LEAST_GAP);
     this.gap = this.gap === null ? wanted : this.gap + 0.05 * (wanted - this.gap);
     const metre = Math.min(width / (across + 1.2) / this.gap, lane * 0.34 / WIDTH);
-    const longOf = i => Math.max(this.bodyLength(i) * metre, 4);
-    const over = new Set(this.overlapping(position));
+    const longOf = i => Math.max(this.bodyLength(i, position) * metre, 4);
+    const over = new Set(this.present.colliding);  // decided by the server, as its words are
     for (let row = 0; row < count; ++row) this.drawLane(context, row, lane, width, metre, position, across, n);
+    const written = [];  // the place of the latest speed in each lane: standing vehicles are closer than their numbers are wide
     for (let i = 0; i <= n; ++i) {
       const row = Math.floor(i / across), x = this.x[row] + (position[i] - position[0]) * metre, middle = row * lane + lane * (speeds ? 0.24 : 0.36);
       const long = longOf(i), broad = Math.min(lane * (speeds ? 0.3 : 0.34), Math.max(0.6 * Math.min(long, LENGTH * metre), 4));
       if (x < -long || x > width + long) continue;
-      this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i);
+      this.drawVehicle(context, x, middle, long, broad, i, n, chosen === i ? 2.5 : picks.includes(i) ? 1.2 : 0);
       if (over.has(i)) this.drawOverlap(context, x, middle, long, broad, (position[i - 1] - position[i]) * metre, longOf(i - 1));
-      if (speeds && this.present.speed[i] !== undefined)
-        label(context, this.present.speed[i].toFixed(1), x - long / 2, row * lane + lane * 0.84, "center", { font: "11px" });
+      if (!speeds || this.present.speed[i] === undefined || Math.abs(x - long / 2 - (written[row] ?? Infinity)) < 26) continue;
+      written[row] = x - long / 2;
+      label(context, this.present.speed[i].toFixed(1), written[row], row * lane + lane * 0.84, "center", { font: "11px" });
     }
+    // Middle and length of each vehicle [px], for clicks.
+    this.places = position.map((p, i) => {
+      const row = Math.floor(i / across), long = longOf(i);
+      return { row, x: this.x[row] + (p - position[0]) * metre - long / 2, y: (row + 0.4) * lane, long };
+    });
+    this.lane = lane;
+    this.canvas.dataset.places = JSON.stringify(this.places.map(({ x, y, long }) => [x, y, long].map(Math.round)));
     this.drawReceived(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
     this.drawScale(context, height, width, metre);
     Object.assign(this.canvas.dataset, { metre, overlaps: [...over].join(), speeds });
@@ -143,7 +163,7 @@ export class Road {
     for (let x = start; x < width && period > 6; x += period) context.fillRect(x, top + (lane - 5) - 2, period * 0.5, 2);
   }
 
-  drawVehicle(context, x, middle, long, broad, i, n, chosen) {
+  drawVehicle(context, x, middle, long, broad, i, n, frame) {
     context.fillStyle = i === 0 ? css("--soft") : followerColour(i, n);
     context.beginPath();
     context.roundRect(x - long, middle - broad / 2, long, broad, Math.min(broad / 3, 5));
@@ -152,9 +172,9 @@ export class Road {
       context.fillStyle = css("--glass");
       context.fillRect(x - long * 0.36, middle - broad * 0.34, long * 0.13, broad * 0.68);
     }
-    if (chosen) {
+    if (frame) {
       context.strokeStyle = css("--ink");
-      context.lineWidth = 2.5;
+      context.lineWidth = frame;
       context.stroke();
     }
     if (broad > 15 && long > 20) {

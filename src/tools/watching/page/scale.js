@@ -36,6 +36,15 @@ export function verticalScale(values, logarithmic, signed = false) {
   return { logarithmic, low, high: top, ticks: niceTicks(low, top, 5), place: v => (v - low) / (top - low) };
 }
 
+// A linear y axis that spans these values, and at least `least` of their unit: it need not include 0.
+export function rangeScale(values, least) {
+  let from = Infinity, to = -Infinity;
+  for (const v of values) if (v !== null && Number.isFinite(v)) [from, to] = [Math.min(from, v), Math.max(to, v)];
+  if (from > to) from = to = 0;
+  const half = 0.54 * Math.max(to - from, least), low = (from + to) / 2 - half, high = (from + to) / 2 + half;
+  return { low, high, ticks: niceTicks(low, high, 5), place: v => (v - low) / (high - low) };
+}
+
 // Largest over smallest value: above 30 along the string (1000 over k) the axis is logarithmic, as in the figures of `plot`.
 export function spread(values) {
   const positive = values.filter(v => v !== null && v > 0);
@@ -59,6 +68,34 @@ export function canvasOf(canvas) {
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   return { context, width, height };
+}
+
+// A line through the points that exist.
+export function line(context, xs, values, y) {
+  let down = false;
+  context.beginPath();
+  values.forEach((v, at) => {
+    if (v === null) return void (down = false);
+    if (down) context.lineTo(xs[at], y(v)); else context.moveTo(xs[at], y(v));
+    down = true;
+  });
+  context.stroke();
+}
+
+// Grid lines with their numbers, the axis at the foot, and the quantity at the top.
+export function drawGrid(context, scale, y, foot, right, words) {
+  context.lineWidth = 1;
+  for (const t of scale.ticks) {
+    context.strokeStyle = css("--grid");
+    context.beginPath();
+    context.moveTo(LEFT, y(t));
+    context.lineTo(right, y(t));
+    context.stroke();
+    label(context, short(t), LEFT - 7, y(t) + 4, "right");
+  }
+  label(context, words, LEFT + 4, 11, "left");
+  context.strokeStyle = css("--soft");
+  context.strokeRect(LEFT, foot, right - LEFT, 0);
 }
 
 // Writes a text in a canvas, its baseline at y.

@@ -1,7 +1,7 @@
 // Series that the reader hides: a button of a legend shows or hides its series in the chart of its card.
 
 const FIELDS = {
-  measured: ["mean", "variance", "standard_error"], errors: ["standard_error"], theory: ["theoretical_mean", "theoretical_variance"], limit: ["limit_variance"],
+  measured: ["mean", "variance", "standard_error", "provisional"], errors: ["standard_error"], theory: ["theoretical_mean", "theoretical_variance"], limit: ["limit_variance"],
   smallest: ["smallest_gap"], collisions: ["collisions"],
 };
 const PER_FOLLOWER = ["mean", "variance", "theoretical_mean", "theoretical_variance"];

@@ -1,4 +1,4 @@
-// Variance along the string: a bar with standard errors per follower, theory on top, the limit as a line.
+// Variance along the string: a bar with standard errors per follower, theory on top, the limit as a line. Provisional bars are pale.
 import { followerColour } from "./colours.js";
 import { element, FollowerChart, set } from "./follower_chart.js";
 import { LEFT, short, spread, verticalScale } from "./scale.js";
@@ -8,17 +8,17 @@ const WIDE_RANGE = 30;
 
 export class StringChart extends FollowerChart {
   draw(of, chosen) {
-    const n = of.variance.length;
-    const ends = of.variance.map((v, at) => v === null ? null : v + (n > MOST_WHISKERS ? 0 : 2 * (of.standard_error[at] ?? 0)));
+    const n = of.variance.length, bar = of.variance.map((v, at) => v ?? of.provisional?.variance[at] ?? null);
+    const ends = bar.map((v, at) => v === null ? null : v + (n > MOST_WHISKERS ? 0 : 2 * (of.standard_error[at] ?? 0)));
     const limit = of.limit_variance === null ? [] : [of.limit_variance];
-    const known = [...of.variance, ...of.theoretical_variance];
+    const known = [...bar, ...of.theoretical_variance];
     const scale = verticalScale([...ends, ...of.theoretical_variance, ...limit], spread(known) > WIDE_RANGE);
     const { bars, width, over, x, y, foot, right } = this.layOut(n, scale, "m²");
-    of.variance.forEach((v, at) => {
+    bar.forEach((v, at) => {
       const rect = bars[at], top = v === null ? foot : y(v);
       // On a logarithmic axis the length of a bar has no meaning: draw a mark at the value.
       const [upper, height] = scale.logarithmic ? [top - 2.5, 5] : [top, Math.max(foot - top, 0)];
-      set(rect, { x: x(at + 1) - width / 2, y: upper, width, height: v === null ? 0 : height, fill: followerColour(at + 1, n), class: at + 1 === chosen ? "chosen" : "" });
+      set(rect, { x: x(at + 1) - width / 2, y: upper, width, height: v === null ? 0 : height, fill: followerColour(at + 1, n), class: (v !== null && of.variance[at] === null ? "provisional" : "") + (at + 1 === chosen ? " chosen" : "") });
       rect.dataset.value = v;
     });
 

@@ -12,10 +12,12 @@ const atStep = (step, run) => step == null ? "–" : `${step} (${seconds(step, r
 // Text on the present content of the averages.
 function averagesOf(of, run, health) {
   if (of.step === null && health?.start) return health.start;
-  if (!of.time_average) return of.step === null ? "theory; nothing is measured yet" : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
-  const until = of.paused_until;
+  if (!of.time_average) return of.step === null ? `theory; the first figures appear when a batch of realizations is complete, behind step ${atStep(run.steps - 1, run)}` : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
+  const until = of.paused_until, early = of.step === null && of.provisional;
   if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${atStep(of.step, run)}`;
   const end = `until step ${until}, ${seconds(until - of.latest_step, run)} of driving from now`;
+  if (early) return of.manoeuvre ? `provisional averages, paused while the leader manoeuvres: burn-in at the earliest ${end}` :
+    `provisional averages up to step ${atStep(early.step, run)}: burn-in ${end}`;
   if (of.step === null) return `theory; burn-in ${end}`;
   return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
 }
@@ -41,7 +43,10 @@ export function showHeadline({ configuration, statistics, conduct, health }, liv
   write(at("culprit"), culprit ? `Run stalled: ${culprit} (${health.retries} retries)` : "");
   write(at("string-note"), statistics ? averagesOf(statistics, configuration, health) : "");
   at("string-note").dataset.paused = statistics?.step != null && statistics.paused_until !== null;
-  write(at("curves-note"), !statistics ? "" : !statistics.time_average ? "over realizations" : "averages up to k" + (statistics.restarts ? ", since the latest restart" : ""));
+  const provisional = Boolean(statistics?.provisional);
+  for (const id of ["string-key", "curves-key"]) at(id).hidden = !provisional;
+  write(at("curves-note"), !statistics ? "" : !statistics.time_average ? "over realizations" : (provisional ? "provisional averages up to k" : "averages up to k") +
+    (statistics.restarts ? ", since the latest restart" : ""));
   at("errors-key").hidden = !statistics?.standard_error.some(e => e !== null) || statistics.variance.length > MOST_WHISKERS;
   at("limit-key").hidden = statistics?.limit_variance == null;
   write(at("last-follower"), configuration ? String(configuration.followers) : "N");
@@ -54,7 +59,10 @@ export function facts(list, { configuration, statistics }, snapshot) {
   const of = statistics ?? {}, shown = [["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`],
     ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
   if (configuration.endless) shown.push(["step k", atStep(snapshot?.step ?? of.latest_step, configuration)]);
-  else shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
+  else {
+    shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
+    if (configuration.rate_wanted && !of.complete && snapshot) shown.push(["step k", `${snapshot.step} of ${configuration.steps - 1} (${seconds(snapshot.step, configuration)})`]);
+  }
   if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);
   if (of.seconds_left != null) shown.push(["time left", duration(of.seconds_left)]);
@@ -71,11 +79,13 @@ export function facts(list, { configuration, statistics }, snapshot) {
 }
 
 export function readout({ statistics: of }, i, snapshot) {
-  if (of?.step == null) return "";
+  const early = of?.provisional;
+  if (of?.step == null && !early) return "";
   if (!i) return "Point at a bar, or press → or ←, for the numbers of one follower.";
   const row = i - 1, error = snapshot?.tracking_error[row], z = of.score[row];
-  return `Follower ${i}: variance ${short(of.variance[row], 5)} m²` + (of.standard_error[row] == null ? "" : ` ± ${short(of.standard_error[row], 2)}`) +
-    `, theory ${short(of.theoretical_variance[row], 5)}` + (z == null ? "" : `, z ${z.toFixed(2)}`) + `, mean ${short(of.mean[row])} m` +
+  const provisional = of.variance[row] == null && early, [mean, variance] = provisional ? [early.mean[row], early.variance[row]] : [of.mean[row], of.variance[row]];
+  return `Follower ${i}: ${provisional ? "provisional " : ""}variance ${short(variance, 5)} m²` + (of.standard_error[row] == null ? "" : ` ± ${short(of.standard_error[row], 2)}`) +
+    `, theory ${short(of.theoretical_variance[row], 5)}` + (z == null ? "" : `, z ${z.toFixed(2)}`) + `, mean ${short(mean)} m` +
     (error == null ? "" : `, now: error ${error > 0 ? "+" : ""}${error.toFixed(2)} m, ${snapshot.speed[i].toFixed(1)} m/s`);
 }
 
@@ -106,6 +116,7 @@ export function showTable(body, of) {
     const row = body.insertRow();
     for (let c = 0; c < heading.length; ++c) row.insertCell();
   }
+  const early = of.provisional;
   of.variance.forEach((variance, row) => {
     const cells = [row + 1, of.mean[row], variance, of.standard_error[row], of.theoretical_variance[row], of.score[row],
       ...gaps ? [of.smallest_gap[row], of.smallest_gap_realization[row], of.smallest_gap_step[row], of.collisions[row]] : [null, null, null, null]];
@@ -113,7 +124,9 @@ export function showTable(body, of) {
       const cell = body.rows[row].cells[c];
       cell.dataset.value = value;
       cell.hidden = heading[c].hidden;
-      write(cell, c === 0 || c > 6 ? String(value ?? "–") : c === 5 ? value?.toFixed(2) ?? "–" : short(value, 6));
+      const provisional = value == null ? [null, early?.mean[row], early?.variance[row]][c] ?? null : null;
+      cell.className = provisional === null ? "" : "provisional";
+      write(cell, provisional !== null ? `~ ${short(provisional, 6)}` : c === 0 || c > 6 ? String(value ?? "–") : c === 5 ? value?.toFixed(2) ?? "–" : short(value, 6));
     });
   });
 }

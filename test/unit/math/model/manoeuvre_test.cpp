@@ -62,6 +62,49 @@ TEST(Manoeuvre, AcceleratesFromAnySpeed) {
   EXPECT_NEAR(manoeuvre.next_speed(kProfile), 30.2, 1e-12);
 }
 
+TEST(Manoeuvre, NamesItsBounds) {
+  const ManoeuvreBounds of = Manoeuvre(kPeriod, {Interval{-3.0, 1.6}, Interval{0.0, 23.5}}).bounds();
+  EXPECT_EQ(of.speed, (Interval{0.0, 23.5}));
+  EXPECT_EQ(of.acceleration, (Interval{-3.0, 1.6}));
+  EXPECT_EQ(of.braking, 3.0);
+  EXPECT_EQ(of.speed_up, 1.6);
+  EXPECT_EQ(of.back, (Interval{-2.0, 1.6}));
+  EXPECT_DOUBLE_EQ(of.seconds, Manoeuvre::kSeconds);
+  const ManoeuvreBounds free = driving().bounds();
+  EXPECT_EQ(free.speed, (Interval{-Manoeuvre::kLargestSpeed, Manoeuvre::kLargestSpeed}));
+  EXPECT_EQ(free.acceleration, Interval{});
+  EXPECT_EQ(free.braking, Manoeuvre::kBraking);
+  EXPECT_EQ(free.back, (Interval{-Manoeuvre::kAcceleration, Manoeuvre::kAcceleration}));
+  EXPECT_DOUBLE_EQ(free.seconds, 1.0);
+}
+
+// Each manoeuvre stays within them, and reaches them.
+TEST(Manoeuvre, KeepsItsBounds) {
+  Manoeuvre manoeuvre(kPeriod, {Interval{-3.0, 1.6}, Interval{0.0, 23.5}});
+  const ManoeuvreBounds of = manoeuvre.bounds();
+  double before = manoeuvre.next_speed(kProfile);
+  const auto drive = [&](int steps) {
+    Interval found{0.0, 0.0};
+    for (int k = 0; k < steps; ++k) {
+      const double speed = manoeuvre.next_speed(kProfile), acceleration = (speed - before) / kPeriod;
+      EXPECT_GE(speed, of.speed.lower);
+      EXPECT_LE(speed, of.speed.upper);
+      found = {std::min(found.lower, acceleration), std::max(found.upper, acceleration)};
+      before = speed;
+    }
+    return found;
+  };
+  manoeuvre.brake();
+  EXPECT_NEAR(drive(100).lower, -of.braking, 1e-9);
+  manoeuvre.accelerate();
+  EXPECT_NEAR(drive(100).upper, of.speed_up, 1e-9);
+  manoeuvre.drive_at(50.0);
+  EXPECT_NEAR(drive(100).upper, of.acceleration.upper, 1e-9);
+  EXPECT_EQ(before, of.speed.upper);
+  manoeuvre.cruise();
+  EXPECT_NEAR(drive(100).lower, of.back.lower, 1e-9);
+}
+
 TEST(Manoeuvre, SwingsAboutTheSpeedOfTheProfile) {
   Manoeuvre manoeuvre = driving();
   manoeuvre.swing();

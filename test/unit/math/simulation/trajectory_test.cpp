@@ -51,7 +51,7 @@ TEST(Trajectories, HaveTheBitsOfARunWithRadios) {
   expect_bits_of_the_string(model);
   const std::vector<Trajectory> found = trajectories(model, 3, kFollowers, kSteps, 0);
   EXPECT_EQ(found[0].input.size(), static_cast<std::size_t>(kSteps) + 1);
-  EXPECT_EQ(found[1].received_input.size(), static_cast<std::size_t>(kSteps));
+  EXPECT_EQ(found[1].received.at(1).size(), static_cast<std::size_t>(kSteps));
   EXPECT_TRUE(found[kFollowers].input.empty()) << "the last vehicle sends to no follower";
 }
 

@@ -147,6 +147,68 @@ TEST(TimeStatistics, WaitForTheStepOfTheLeaderThatAnErrorDependsOn) {
   EXPECT_EQ(statistics.moments()[2].count, 9u);
 }
 
+Moments moments_of(const std::vector<double>& values) {
+  Moments all;
+  for (const double value : values) all.add(value);
+  return all;
+}
+
+TEST(TimeStatistics, AreProvisionalUntilTheBurnInIsOverAndForgetTheStart) {
+  TimeStatistics statistics(2, 10);
+  EXPECT_TRUE(statistics.provisional().empty());
+  for (std::int64_t k = 0; k < 10; ++k) add(statistics, 1, k, k < 3 ? 1e6 : static_cast<double>(k));
+  ASSERT_EQ(statistics.provisional().size(), 2u);
+  const Moments expected = moments_of({3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0});
+  EXPECT_EQ(statistics.provisional()[0].count, 7u);
+  EXPECT_DOUBLE_EQ(statistics.provisional()[0].mean, expected.mean);
+  EXPECT_DOUBLE_EQ(statistics.provisional()[0].variance(), expected.variance());
+  EXPECT_EQ(statistics.provisional()[1].count, 0u);
+  EXPECT_EQ(statistics.moments()[0].count, 0u);
+  add(statistics, 1, 10, 4.0);
+  EXPECT_TRUE(statistics.provisional().empty());
+  add(statistics, 2, 0, 5.0);
+  EXPECT_EQ(statistics.provisional()[0].count, 0u);  // its average has begun
+  EXPECT_EQ(statistics.provisional()[1].mean, 5.0);
+  EXPECT_EQ(statistics.moments()[0].mean, 4.0);
+}
+
+TEST(TimeStatistics, HaveProvisionalMomentsOfHalfTheStepsAtLeast) {
+  TimeStatistics statistics(1, 1000);
+  for (std::int64_t k = 0; k < 1000; ++k) {
+    add(statistics, 1, k, static_cast<double>(k));
+    const Moments of = statistics.provisional()[0];
+    ASSERT_GE(2 * of.count, static_cast<std::uint64_t>(k));
+    // The latest ones: k - count + 1 .. k.
+    ASSERT_NEAR(of.mean, static_cast<double>(k) - 0.5 * static_cast<double>(of.count - 1), 1e-9) << k;
+  }
+}
+
+TEST(TimeStatistics, LeaveAManoeuvreOutOfTheProvisionalMoments) {
+  for (const std::size_t follower : {1, 3}) {
+    TimeStatistics statistics(3, 50);
+    statistics.saw_leader(-2, true);
+    const auto hops = static_cast<std::int64_t>(follower) - 1;
+    for (std::int64_t k = 0; k < 40; ++k) {
+      const bool manoeuvre = k - hops >= 10 && k - hops < 20;
+      add(statistics, follower, k, manoeuvre ? 1e6 : 1.0);
+      statistics.saw_leader(k - hops, !manoeuvre);
+      ASSERT_LE(statistics.provisional()[follower - 1].mean, 1.0) << k;
+    }
+    EXPECT_GE(statistics.provisional()[follower - 1].count, 15u);
+  }
+}
+
+TEST(TimeStatistics, AreNotProvisionalBehindEarlierAveragesAndBeginAgainWithARestart) {
+  TimeStatistics earlier(1, 10, {Moments{2, 5.0, 8.0}}), restarted(1, 10);
+  add(earlier, 1, 0, 1.0);
+  EXPECT_TRUE(earlier.provisional().empty());
+  add(restarted, 1, 0, 1.0);
+  restarted.restart();
+  EXPECT_TRUE(restarted.provisional().empty());
+  add(restarted, 1, 0, 3.0);
+  EXPECT_EQ(restarted.provisional()[0].mean, 3.0);
+}
+
 // The next value of x(k) = 0.9 x(k-1) + n(k).
 class Correlated {
 public:

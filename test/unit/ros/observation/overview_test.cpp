@@ -128,6 +128,22 @@ TEST_F(OverviewTest, OfAveragesOverTimeHasOneColumn) {
   EXPECT_TRUE(std::isnan(overview.max_abs_z_mean)) << "20 steps are too few";
 }
 
+TEST_F(OverviewTest, HasProvisionalAveragesBesideNone) {
+  make_long(2, 0);
+  RunResult result;
+  result.last_steps = {40, 40};
+  result.provisional = {Moments{20, 0.1, 1.9}, Moments{}};
+  const auto overview = this->overview(result);
+  EXPECT_TRUE(std::isnan(overview.mean[0]));
+  EXPECT_TRUE(std::isnan(overview.variance[0]));
+  ASSERT_EQ(overview.provisional_mean.size(), 2U);
+  EXPECT_EQ(overview.provisional_mean[0], 0.1);
+  EXPECT_DOUBLE_EQ(overview.provisional_variance[0], 0.1);
+  EXPECT_TRUE(std::isnan(overview.provisional_mean[1]));
+  EXPECT_TRUE(std::isnan(overview.provisional_variance[1]));
+  EXPECT_TRUE(this->overview(averages(1.0)).provisional_mean.empty());
+}
+
 TEST_F(OverviewTest, OfAveragesOverManyStepsHasTheLargestScore) {
   make_long(2, 0);
   RunResult result = averages(prediction_.variance[0]);

@@ -38,8 +38,8 @@ TEST(CsvTable, KeepsTheCellsOfColumnsWithATextAsWritten) {
 }
 
 TEST(CsvTable, TakesNoOtherTextForANumber) {
-  for (const std::string cell : {"0x10", "1 ", std::string("1\0", 2).c_str(), "1d5"}) {
-    const CsvTable table = parse_csv("a\n1\n" + (cell == "1" ? std::string("1\0", 2) : cell) + "\n", "table.csv");
+  for (const std::string& cell : {std::string("0x10"), std::string("1 "), std::string("1\0", 2), std::string("1d5")}) {
+    const CsvTable table = parse_csv("a\n1\n" + cell + "\n", "table.csv");
     EXPECT_TRUE(std::holds_alternative<std::vector<std::string>>(table.columns[0])) << cell;
   }
 }

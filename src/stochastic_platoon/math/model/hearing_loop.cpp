@@ -1,0 +1,80 @@
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
+#include "stochastic_platoon/math/numerics/zeros.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Complex = std::complex<long double>;
+
+}  // namespace
+
+HearingLoop::HearingLoop(const VehicleModel& vehicle, std::size_t follower, double sample_period)
+    : headway_(0.0),
+      spacing_(vehicle.headway * spacing_in_vehicles(vehicle, follower)),
+      speed_(own_speed_gain(vehicle, sample_period)) {
+  if (!vehicle.design) throw std::invalid_argument("closed_loop: given: must be plant and controller");
+  const ExactTransfer &plant = vehicle.design->plant.exact(), &controller = vehicle.design->controller.exact();
+  plant_numerator_ = plant.numerator;
+  plant_denominator_ = plant.denominator;
+  controller_numerator_ = controller.numerator;
+  controller_denominator_ = controller.denominator;
+  if (vehicle.design->divide_by_one_plus_headway)
+    controller_denominator_ = multiply(controller_denominator_, {Exact(1) + Exact(vehicle.headway)});
+  plant_delay_ = plant.delay;
+  controller_delay_ = controller.delay;
+  if (vehicle.design->headway_filter) headway_ = vehicle.headway;
+  acceleration_ = vehicle.own_acceleration / (sample_period * sample_period);
+  const ExactPolynomial* const parts[] = {&plant_numerator_, &plant_denominator_, &controller_numerator_,
+                                          &controller_denominator_};
+  for (std::size_t j = 0; j < 4; ++j) rounded_[j] = rounded_delta(*parts[j]);
+}
+
+HearingLoop::Value HearingLoop::at(const CirclePoint& point) const {
+  const Complex s = point.from_one(), z = 1.0L + s, moved = s * std::conj(z);  // 1 - 1/z
+  const Complex plant = evaluate(rounded_[0], s), open = evaluate(rounded_[1], s) * turned(z, plant_delay_),
+                controller = evaluate(rounded_[2], s) * turned(z, -controller_delay_),
+                of_controller = evaluate(rounded_[3], s);
+  const Complex filter = 1.0L + static_cast<long double>(headway_) * moved,
+                policy = 1.0L + static_cast<long double>(spacing_) * moved,
+                own =
+                    static_cast<long double>(speed_) * moved - static_cast<long double>(acceleration_) * moved * moved;
+  const Complex closed = filter * open * of_controller + controller * plant * policy + own * plant * of_controller;
+  const auto rounded = [](const Complex& value) { return static_cast<std::complex<double>>(value); };
+  return {rounded(controller * plant / closed), rounded(plant * of_controller / closed), rounded(open / plant)};
+}
+
+double HearingLoop::spectral_radius() const {
+  // The denominator of y_i times z^2, with as many more powers of z as make it a polynomial.
+  const std::ptrdiff_t q = controller_delay_, least = std::min<std::ptrdiff_t>({plant_delay_ + q + 1, 1, q});
+  const auto times_z = [least](const ExactPolynomial& p, std::ptrdiff_t count) {
+    return times_power_of_z(p, count - std::min<std::ptrdiff_t>(least, 0));
+  };
+  const ExactPolynomial open = multiply(plant_denominator_, controller_denominator_),
+                        forward = multiply(plant_numerator_, controller_numerator_),
+                        of_own = multiply(plant_numerator_, controller_denominator_);
+  ExactPolynomial sum = times_z(multiply(open, {Exact(1), Exact(1) + Exact(headway_)}), plant_delay_ + q + 1);
+  sum = add(sum, times_z(multiply(forward, {Exact(1), Exact(1) + Exact(spacing_)}), 1));
+  sum = add(sum, times_z(multiply(of_own, {Exact(0), Exact(speed_)}), q + 1));
+  sum = add(sum, times_z(multiply(of_own, {Exact(0), Exact(0), Exact(-acceleration_)}), q));
+  return platoon::spectral_radius(zeros(sum));
+}
+
+std::complex<double> sent_value(const Input& input, const CirclePoint& point, std::complex<double> of_source,
+                                double sample_period) {
+  const Complex z = 1.0L + point.from_one(), moved = point.from_one() * std::conj(z) / Complex(sample_period);
+  Complex value = power(std::conj(z), static_cast<std::size_t>(input.link.delay));
+  if (input.signal == InputSignal::speed) value *= moved;
+  if (input.signal == InputSignal::acceleration) value *= moved * moved;
+  if (input.signal == InputSignal::input) value *= Complex(of_source);
+  return static_cast<std::complex<double>>(value);
+}
+
+}  // namespace platoon

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <complex>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/numerics/exact.hpp"
+
+namespace platoon {
+
+/// A vehicle given by plant and controller that hears any vehicles ahead (see Input), as a filter of what it receives.
+/// With W = 1 + s (1 - 1/z), s = h times the spacing_in_vehicles(), F_v the sum of the gains of its speeds, and d = (1
+/// - 1/z) / T_s, \f[ y_i = \frac{K \sum w_j r_j + \sum F_j r_j}{H / G + K W + F_v d - F_a d^2}. \f]
+class HearingLoop {
+public:
+  /// Throws std::invalid_argument for a vehicle without plant and controller.
+  HearingLoop(const VehicleModel& vehicle, std::size_t follower, double sample_period);
+
+  /// The filters at one point of the unit circle.
+  struct Value {
+    std::complex<double> of_position;  ///< from the weighted positions to the own one
+    std::complex<double> of_input;     ///< from the sum of all other signals, times their gains [s^2]
+    std::complex<double> sent;         ///< 1 / G: from the own position to the own control input
+
+    /// N: from what the vehicle receives as this input to its own position.
+    std::complex<double> of(const Input& input) const {
+      return input.gain * (input.signal == InputSignal::position ? of_position : of_input);
+    }
+  };
+  Value at(const CirclePoint& point) const;
+
+  /// The largest modulus of the closed loop's poles, from its characteristic polynomial in a hundred digits.
+  double spectral_radius() const;
+
+private:
+  ExactPolynomial plant_numerator_, plant_denominator_, controller_numerator_, controller_denominator_;
+  std::ptrdiff_t plant_delay_, controller_delay_;
+  double headway_, spacing_;     ///< h with a headway filter, else 0; s
+  double speed_, acceleration_;  ///< F_v / T_s, F_a / T_s^2
+  CirclePolynomial rounded_[4];
+};
+
+/// z^-m S: from the position of the source of an input to what arrives of it without losses. `of_source`: 1 / G of the
+/// source, of control inputs.
+std::complex<double> sent_value(const Input& input, const CirclePoint& point, std::complex<double> of_source,
+                                double sample_period);
+
+}  // namespace platoon

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "stochastic_platoon/math/string/hearing_spectra.hpp"
+
+namespace platoon {
+
+struct HearingLimit {
+  std::vector<double>
+      variances;     ///< of the tracking errors per place of the pattern [m^2]; 0 unless the gain is below 1
+  double loss_gain;  ///< factor by which the variance that losses add grows from one round of the string to the next
+};
+
+/// The end of an endless string with a pattern of this length, whose companion matrices have a spectral radius below 1.
+/// At each frequency the cross spectra X in front of a pattern with the product M of its companion matrices satisfy X =
+/// M X M* + Q; losses are rounds of that equation.
+HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses);
+
+}  // namespace platoon

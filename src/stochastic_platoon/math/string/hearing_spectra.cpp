@@ -1,0 +1,158 @@
+#include "stochastic_platoon/math/string/hearing_spectra.hpp"
+
+#include <algorithm>
+#include <boost/math/constants/constants.hpp>
+#include <optional>
+
+#include "stochastic_platoon/math/links/link_filter.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+
+namespace platoon {
+
+namespace {
+
+// What a lost value lacks while the platoon moves steadily.
+double steady_drive(const Input& input, const HearingScatter& losses, double speed, double period) {
+  if (input.signal == InputSignal::position) return speed * losses.slope();
+  return input.signal == InputSignal::speed && losses.forgets() ? speed / period : 0.0;
+}
+
+}  // namespace
+
+HearingSpectra::HearingSpectra(const PlatoonModel& model, std::size_t n)
+    : model_(model), n_(n), reach_(farthest_ahead(model)), speed_(metres_per_step(model)) {}
+
+HearingSpectra::Window HearingSpectra::nothing() const {
+  return {reach_, std::vector<Eigen::ArrayXcd>(reach_, Eigen::ArrayXcd::Zero(static_cast<Eigen::Index>(n_ / 2)))};
+}
+
+const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) const {
+  const std::size_t place = (follower - 1) % type_order(model_).size();
+  const auto inserted = vehicles_.emplace(std::make_pair(place, std::min(follower, reach_ + 1)), Vehicle());
+  Vehicle& of = inserted.first->second;
+  if (!inserted.second) return of;
+  const VehicleModel& own = platoon::vehicle(model_, follower);
+  const double period = model_.sample_period;
+  const auto half = static_cast<Eigen::Index>(n_ / 2);
+  const HearingLoop loop(own, follower, period);
+  std::vector<LinkFilter> links;
+  std::vector<std::optional<HearingLoop>> sources;  // of control inputs
+  for (std::size_t j = 0; j < own.inputs.size(); ++j) {
+    const Input& input = own.inputs[j];
+    const std::size_t source = source_of(input, follower);
+    LinkModel lossless = input.link;
+    lossless.loss.reset();
+    links.emplace_back(lossless, input.noise_variance);
+    sources.emplace_back();
+    if (input.signal == InputSignal::input)
+      sources.back().emplace(platoon::vehicle(model_, source), std::max<std::size_t>(source, 1), period);
+    of.inputs.push_back({source == 0 ? 0 : follower - source,
+                         Eigen::ArrayXcd(half),
+                         Eigen::ArrayXcd(half),
+                         {},
+                         Eigen::ArrayXd(half),
+                         0.0});
+    if (!input.link.loss || input.link.loss->probability == 0.0) continue;
+    const std::size_t first = own.losses_of(j);
+    if (first == j) of.packets.push_back({{}, scatter(*input.link.loss)});
+    const auto packet = std::find_if(of.packets.begin(), of.packets.end(), [&](const Vehicle::Packet& shared) {
+      return shared.inputs.empty() || shared.inputs.front() == first;
+    });
+    packet->inputs.push_back(j);
+    of.inputs.back().steady = steady_drive(input, *packet->losses, speed_, period);
+  }
+  of.policy.resize(half);
+  for (Eigen::Index k = 0; k < half; ++k) {
+    check_interruption();
+    const CirclePoint point(2.0 * boost::math::double_constants::pi * (static_cast<double>(k) + 0.5) /
+                            static_cast<double>(n_));
+    const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));  // 1 - 1/z
+    const HearingLoop::Value value = loop.at(point);
+    of.policy(k) = 1.0 + own.headway * moved;
+    for (std::size_t j = 0; j < own.inputs.size(); ++j) {
+      const std::complex<double> of_source = sources[j] ? sources[j]->at(point).sent : 0.0;
+      of.inputs[j].own(k) = value.of(own.inputs[j]);
+      of.inputs[j].sent(k) = sent_value(own.inputs[j], point, of_source, period);
+      of.inputs[j].noise(k) = links[j].noise(point);
+    }
+  }
+  for (Vehicle::Heard& input : of.inputs) input.transfer = input.own * input.sent;
+  for (const Vehicle::Packet& packet : of.packets) {
+    for (const std::size_t j : packet.inputs) of.inputs[j].transfer *= packet.losses->passed();
+  }
+  return of;
+}
+
+// Links with the same losses share their scatter.
+std::shared_ptr<const HearingScatter> HearingSpectra::scatter(const LossModel& loss) const {
+  for (const auto& known : scatters_) {
+    if (known.first == loss) return known.second;
+  }
+  scatters_.emplace_back(loss, std::make_shared<HearingScatter>(loss, n_));
+  return scatters_.back().second;
+}
+
+std::vector<Eigen::ArrayXcd> HearingSpectra::transfers(std::size_t follower) const {
+  std::vector<Eigen::ArrayXcd> sums(reach_, Eigen::ArrayXcd::Zero(static_cast<Eigen::Index>(n_ / 2)));
+  for (const Vehicle::Heard& input : vehicle(follower).inputs) {
+    if (input.distance > 0) sums[input.distance - 1] += input.transfer;
+  }
+  return sums;
+}
+
+Eigen::ArrayXd HearingSpectra::added(std::size_t follower, const Window& ahead) const {
+  const Vehicle& own = vehicle(follower);
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(n_ / 2));
+  std::vector<bool> loses(own.inputs.size(), false);
+  for (const Vehicle::Packet& packet : own.packets) {
+    for (const std::size_t j : packet.inputs) {
+      loses[j] = true;
+      const Vehicle::Heard& one = own.inputs[j];
+      sum += (one.own * packet.losses->passed()).abs2() * one.noise;
+      for (const std::size_t l : packet.inputs) {
+        const Vehicle::Heard& other = own.inputs[l];
+        Eigen::ArrayXcd sent = Eigen::ArrayXcd::Zero(sum.size());
+        if (one.distance > 0) {
+          const std::size_t at = one.distance - 1;
+          sent = one.sent * other.sent.conjugate() * ahead[at][at];
+        }
+        if (j == l) sent += one.noise.cast<std::complex<double>>();
+        const Eigen::ArrayXcd scattered =
+            (*packet.losses)(sent) +
+            one.steady * other.steady * packet.losses->of_steady_motion().cast<std::complex<double>>();
+        sum += (one.own * other.own.conjugate() * scattered).real();
+      }
+    }
+  }
+  for (std::size_t j = 0; j < own.inputs.size(); ++j) {
+    if (!loses[j]) sum += own.inputs[j].own.abs2() * own.inputs[j].noise;
+  }
+  return sum;
+}
+
+double HearingSpectra::advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const {
+  check_interruption();
+  const std::vector<Eigen::ArrayXcd> from = transfers(follower);
+  std::vector<Eigen::ArrayXcd> cross;  // with the vehicles of the window
+  Eigen::ArrayXcd own = added.cast<std::complex<double>>();
+  for (std::size_t b = 0; b < reach_; ++b) {
+    cross.emplace_back(Eigen::ArrayXcd::Zero(own.size()));
+    for (std::size_t a = 0; a < reach_; ++a) cross[b] += from[a] * window[a][b];
+    own += cross[b] * from[b].conjugate();
+  }
+  const Eigen::ArrayXcd& policy = vehicle(follower).policy;
+  const double variance = mean(window[0][0].real() + policy.abs2() * own.real() - 2.0 * (policy * cross[0]).real());
+  for (std::size_t a = reach_; a-- > 1;) {
+    for (std::size_t b = reach_; b-- > 1;) window[a][b] = window[a - 1][b - 1];
+  }
+  window[0][0] = own;
+  for (std::size_t b = 1; b < reach_; ++b) {
+    window[0][b] = cross[b - 1];
+    window[b][0] = cross[b - 1].conjugate();
+  }
+  return variance;
+}
+
+}  // namespace platoon

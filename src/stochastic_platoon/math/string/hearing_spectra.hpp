@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/string/hearing_scatter.hpp"
+
+namespace platoon {
+
+/// Spectra along a string whose vehicles hear any vehicles ahead, at the frequencies of HearingScatter. With T_j = N_j
+/// T_L z^-m S_j from the position of the source of input j to the own one (S_j = 1, (1 - 1/z) / T_s, its square, or 1 /
+/// G of the source), T_ia the sum of T_j over the inputs from vehicle a, sums of a and b over the vehicles heard, and
+/// for every packet g and u of its losses (see LossKernel), \f[ \Phi_{ib} = \sum_a T_{ia} \Phi_{ab}, \qquad \Phi_{ii} =
+/// \sum_{a,b} T_{ia} \Phi_{ab} T_{ib}^* + E_i, \f] \f[ E_i = \sum_j |N_j T_L|^2 N_d + \sum_{packets} \langle g |u|^2
+/// (|\textstyle\sum_j N_j(w) z^{-m} S_j(\nu)|^2
+///         \Phi_s + \sum_j |N_j|^2 N_d) \rangle + (\text{the platoon's own motion}). \f]
+/// The leader has no spectrum.
+class HearingSpectra {
+public:
+  HearingSpectra(const PlatoonModel& model, std::size_t n);
+
+  /// One vehicle at its place.
+  struct Vehicle {
+    struct Heard {
+      std::size_t distance;                 ///< of the source; 0: vehicle 0
+      Eigen::ArrayXcd own, sent, transfer;  ///< N_j; z^-m S_j; T_j
+      Eigen::ArrayXd noise;                 ///< N_d
+      double steady;                        ///< drive of the platoon's own motion
+    };
+    struct Packet {
+      std::vector<std::size_t> inputs;
+      std::shared_ptr<const HearingScatter> losses;
+    };
+    std::vector<Heard> inputs;
+    std::vector<Packet> packets;
+    Eigen::ArrayXcd policy;  ///< from the own position to y + h D y
+  };
+  const Vehicle& vehicle(std::size_t follower) const;
+
+  /// The cross spectra of the latest vehicles, the nearest first.
+  using Window = std::vector<std::vector<Eigen::ArrayXcd>>;
+  Window nothing() const;
+  std::size_t reach() const { return reach_; }
+
+  /// T_ia by the distance i - a, from 1 on; none from the leader.
+  std::vector<Eigen::ArrayXcd> transfers(std::size_t follower) const;
+
+  /// E_i behind these spectra.
+  Eigen::ArrayXd added(std::size_t follower, const Window& ahead) const;
+
+  /// Puts follower i in front of the window, and returns the variance of its tracking error.
+  double advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const;
+
+  /// Mean over the circle.
+  static double mean(const Eigen::ArrayXd& values) { return values.mean(); }
+
+private:
+  std::shared_ptr<const HearingScatter> scatter(const LossModel& loss) const;
+
+  PlatoonModel model_;
+  std::size_t n_, reach_;
+  double speed_;  ///< [m] per step
+  mutable std::map<std::pair<std::size_t, std::size_t>, Vehicle>
+      vehicles_;  ///< by place in the pattern and near the leader
+  mutable std::vector<std::pair<LossModel, std::shared_ptr<const HearingScatter>>> scatters_;
+};
+
+}  // namespace platoon

@@ -1,0 +1,184 @@
+#include "stochastic_platoon/math/string/hearing_string.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+#include <stdexcept>
+
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
+#include "stochastic_platoon/math/model/loss_chain.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/quadrature.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/hearing_gain.hpp"
+#include "stochastic_platoon/math/string/hearing_limit.hpp"
+#include "stochastic_platoon/math/string/hearing_spectra.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Window = HearingSpectra::Window;
+
+void require_theory(const PlatoonModel& model) {
+  if (const std::optional<std::string> reason = no_theory(model))
+    throw std::invalid_argument("no theory, as " + *reason);
+}
+
+double spectral_radius_of(const PlatoonModel& model) {
+  double largest = 0.0;
+  const std::size_t last = farthest_ahead(model) + type_order(model).size();
+  for (std::size_t i = 1; i <= last; ++i)
+    largest = std::max(largest, HearingLoop(vehicle(model, i), i, model.sample_period).spectral_radius());
+  return largest;
+}
+
+double growth_of_predictions(const PlatoonModel& model) {
+  double largest = 0.0;
+  for (const VehicleModel& of : pattern(model)) {
+    for (const Input& input : of.inputs) {
+      if (input.link.loses()) largest = std::max(largest, second_moment_radius(*input.link.loss));
+    }
+  }
+  return largest;
+}
+
+bool is_mean_square_stable(const PlatoonModel& model) {
+  return spectral_radius_of(model) < 1.0 && growth_of_predictions(model) < 1.0;
+}
+
+/// values(spectra), with the number of frequencies doubled until they settle.
+std::vector<double> settled(const PlatoonModel& model,
+                            const std::function<std::vector<double>(const HearingSpectra&)>& values) {
+  constexpr std::size_t kFewest = 512, kMost = std::size_t{1} << 18;
+  constexpr double kSettled = 1e-9;  // of values whose error falls geometrically
+  std::vector<double> coarse;
+  for (std::size_t n = kFewest;; n *= 2) {
+    std::vector<double> fine = values(HearingSpectra(model, n));
+    if (!coarse.empty() && largest_change(coarse, fine) <= kSettled) return fine;
+    if (n >= kMost) throw std::invalid_argument("the spectra of the string are too narrow to integrate");
+    coarse.swap(fine);
+  }
+}
+
+// Of steady_places(), with losses on average. A lost speed that counts as 0 acts through 1 / K at rest.
+double lateness(const VehicleModel& own, const Input& input, double speed, double period) {
+  const std::optional<LossModel> loss = input.link.loses() ? input.link.loss : std::nullopt;
+  if (input.signal == InputSignal::position)
+    return speed * (static_cast<double>(input.link.delay) + (loss ? LossFilter(*loss).lag() : 0.0));
+  if (input.signal != InputSignal::speed || !loss || !loss->predictor.empty()) return 0.0;
+  const ExactTransfer& controller = own.design->controller.exact();
+  const Exact at_rest =
+      controller.denominator.front() == 0 ? Exact(0) : controller.denominator.front() / controller.numerator.front();
+  return at_rest.convert_to<double>() * input.gain * loss->probability * speed / period;
+}
+
+// Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.
+constexpr double kDoubt = 1e-9;
+
+void judge(const PlatoonModel& model, StringStability& verdict) {
+  const HearingGain gain(model);
+  const HearingGain::Peak peak = gain.peak();
+  const std::string name = farthest_ahead(model) == 1 && is_homogeneous(model)
+                               ? "|T|"
+                               : "the spectral radius of the string's companion matrix";
+  constexpr double kLow = 1e-3;
+  const double at_low = gain(kLow), at_zero = gain(1e-5);
+  verdict.peak_gain = peak.gain > 1.0 + kDoubt ? peak.gain : std::max(at_zero, std::min(peak.gain, 1.0));
+  verdict.peak_frequency = peak.gain > 1.0 + kDoubt        ? peak.frequency
+                           : at_zero >= peak.gain - kDoubt ? 0.0
+                                                           : peak.frequency;
+  verdict.mean_bounded = peak.gain <= 1.0 + kDoubt;
+  if (peak.gain > 1.0 + kDoubt) {
+    verdict.reason = formatted("not string stable: %s has a peak of %.9g at w = %.6g rad/sample", name.c_str(),
+                               peak.gain, peak.frequency);
+    return;
+  }
+  if (!(1.0 - at_low > kDoubt * kLow)) {
+    verdict.undecided = true;
+    verdict.reason = "undecided: " + name + " is 1 to the digits of the model near w = 0";
+    return;
+  }
+  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
+  const std::size_t period = type_order(model).size();
+  std::vector<double> limits = settled(model, [period, loses](const HearingSpectra& spectra) {
+    HearingLimit limit = hearing_limit(spectra, period, loses);
+    limit.variances.push_back(limit.loss_gain);
+    return limit.variances;
+  });
+  const double loss_gain = limits.back();
+  limits.pop_back();
+  if (loses) verdict.loss_gain = loss_gain;
+  if (loss_gain >= 1.0) {
+    verdict.reason = formatted(
+        "not string stable: the loss gain is %.6g, not below 1: the variance that losses add grows along the string",
+        loss_gain);
+    return;
+  }
+  verdict.string_stable = true;
+  verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
+  verdict.reason = formatted("string stable: rho(A) = %.9g is below 1 and %s is below 1 for all w > 0",
+                             verdict.spectral_radius, name.c_str());
+  if (loses) verdict.reason += formatted(", and the loss gain is %.6g, below 1", loss_gain);
+}
+
+}  // namespace
+
+std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t followers) {
+  require_theory(model);
+  if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
+  return settled(model, [followers](const HearingSpectra& spectra) {
+    Window window = spectra.nothing();
+    std::vector<double> variances;
+    for (std::size_t i = 1; i <= followers; ++i) {
+      const double variance = spectra.advance(i, spectra.added(i, window), window);
+      variances.push_back(std::isfinite(variance) ? variance : kInfinity);
+    }
+    return variances;
+  });
+}
+
+std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {
+  require_theory(model);
+  if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
+  const double speed = metres_per_step(model);
+  std::map<const Input*, double> known;  // the inputs of a type serve all its vehicles
+  const auto late = [&](const VehicleModel& own, const Input& input) {
+    const auto inserted = known.emplace(&input, 0.0);
+    if (inserted.second) inserted.first->second = lateness(own, input, speed, model.sample_period);
+    return inserted.first->second;
+  };
+  const std::vector<double> places = steady_places(model, followers, speed, late);
+  std::vector<double> means;
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const VehicleModel& own = vehicle(model, i);
+    means.push_back(places[i - 1] - places[i] - speed * own.headway - own.standstill_distance);
+  }
+  return means;
+}
+
+StringStability hearing_stability(const PlatoonModel& model) {
+  require_theory(model);
+  StringStability verdict;
+  verdict.spectral_radius = spectral_radius_of(model);
+  const double growth = growth_of_predictions(model);
+  verdict.mean_square_stable = verdict.spectral_radius < 1.0 && growth < 1.0;
+  if (verdict.mean_square_stable) {
+    judge(model, verdict);
+  } else if (verdict.spectral_radius >= 1.0) {
+    verdict.reason = formatted("not mean square stable: rho(A) = %.9g is not below 1", verdict.spectral_radius);
+  } else {
+    verdict.reason = formatted(
+        "not mean square stable: the second moments of predictions from predictions grow by %.9g a step, which is not below 1",
+        growth);
+  }
+  return verdict;
+}
+
+}  // namespace platoon

@@ -1,0 +1,161 @@
+#include "stochastic_platoon/math/string/hearing_string.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/hearing_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/model_file.hpp"
+#include "unit/messages.hpp"
+
+namespace platoon {
+namespace {
+
+PlatoonModel model_of(const std::string& text) {
+  return parse_model(YAML::Load(text + "\nleader: {speed: [{from_step: 0, value: 20.0}]}\n"
+                                       "initial_position: {mean: 0.0, variance: 0.0}\n"));
+}
+
+const char* const kPath = R"(
+sample_period: 0.1
+spacing: constant
+standstill_distance: 5.0
+plant: {actuator_lag: 0.5}
+controller: {kp: 0.04, kd: 0.0}
+inputs:
+  - {signal: position, noise_variance: 0.05}
+  - {signal: acceleration, gain: 0.5, noise_variance: 0.01}
+  - {signal: acceleration, from: leader, gain: 0.5, noise_variance: 0.02}
+  - {signal: speed, gain: 0.3, noise_variance: 0.03}
+  - {signal: speed, from: leader, gain: 0.1, noise_variance: 0.04})";
+
+const char* const kTwoAhead = R"(
+sample_period: 0.1
+time_headway: 8
+standstill_distance: 2.0
+plant: {actuator_lag: 0.3}
+controller: {kp: 0.35, kd: 0.8}
+inputs:
+  - {signal: position, from: predecessor, weight: 0.6, noise_variance: 0.02}
+  - {signal: position, from: 2, weight: 0.4, noise_variance: 0.05})";
+
+const char* const kLeaderShare = R"(
+sample_period: 0.05
+spacing: constant
+standstill_distance: 5.0
+plant: {actuator_lag: 0.2}
+controller: {kp: 0.5, kd: 1.1}
+inputs:
+  - {signal: position, weight: 0.7, noise_variance: 0.02}
+  - {signal: position, from: leader, weight: 0.3, noise_variance: 0.04}
+  - {signal: input, gain: 0.4, noise_variance: 0.01, channel: {delay: 1}})";
+
+// Up to its radar.
+const std::string kRadioCar = R"(
+sample_period: 0.1
+time_headway: 6
+standstill_distance: 2.0
+plant: {actuator_lag: 0.3}
+controller: {kp: 0.5, kd: 1.2, headway_filter: true}
+inputs:
+  - {signal: position, noise_variance: 0.01})";
+
+std::string packet(const std::string& loss) {
+  return kRadioCar + R"(
+  - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, packet: radio, loss: )" +
+         loss + R"(}}
+  - {signal: speed, gain: 0.3, noise_variance: 0.03, channel: {packet: radio}})";
+}
+
+// The expected values come from a Lyapunov equation of the whole string, solved by another program.
+void expect_variances(const std::string& text, std::size_t followers, const std::vector<std::size_t>& at,
+                      const std::vector<double>& expected) {
+  const std::vector<double> found = stationary_variances(model_of(text), followers);
+  for (std::size_t j = 0; j < at.size(); ++j) EXPECT_NEAR(found[at[j] - 1], expected[j], 6e-9) << at[j];
+}
+
+TEST(HearingString, HasTheVariancesOfTheWholeStringsLyapunovEquation) {
+  expect_variances(kPath, 6, {1, 2, 6}, {0.03540309, 0.03782432, 0.04211542});
+  expect_variances(kTwoAhead, 6, {1, 2, 6}, {0.00148782, 0.00153969, 0.00151800});
+  expect_variances(kLeaderShare, 6, {1, 2, 6}, {0.00069842, 0.00085414, 0.00094506});
+}
+
+TEST(HearingString, LosesTheInputsOfAPacketTogether) {
+  expect_variances(packet("{probability: 0.15, mean_burst: 4, on_loss: hold}"), 3, {1, 2, 3},
+                   {0.00835016, 0.01240000, 0.01321199});
+  expect_variances(packet("{markov: {transition: [[0.9, 0.1], [0.3, 0.7]], probability: [0.02, 0.7]}, on_loss: hold}"),
+                   2, {1, 2}, {0.00694763, 0.00936369});
+}
+
+TEST(HearingString, IsJudgedByItsCompanionMatrix) {
+  EXPECT_TRUE(hearing_stability(model_of(kPath)).string_stable);
+  EXPECT_TRUE(hearing_stability(model_of(kLeaderShare)).string_stable);
+  const StringStability two = hearing_stability(model_of(kTwoAhead));
+  EXPECT_FALSE(two.string_stable);
+  EXPECT_NEAR(two.peak_gain, 1.047857, 6e-7);
+  EXPECT_NEAR(two.peak_frequency, 0.0262, 6e-5);
+}
+
+// The settled table and the spectra are computed in different ways.
+TEST(HearingString, HasTablesThatSettleToTheStationaryValues) {
+  for (const char* text : {kPath, kTwoAhead, kLeaderShare}) {
+    const PlatoonModel model = model_of(text);
+    constexpr std::int64_t kSteps = 3000;
+    const ErrorMoments table = error_moments(model, 6, kSteps);
+    const std::vector<double> settled = stationary_variances(model, 6), means = stationary_means(model, 6);
+    for (std::size_t i = 1; i <= 6; ++i) {
+      EXPECT_NEAR(table.variance_at(i, kSteps - 1) / settled[i - 1], 1.0, 1e-9) << text << i;
+      EXPECT_NEAR(table.mean_at(i, kSteps - 1), means[i - 1], 1e-8) << text << i;
+    }
+  }
+}
+
+TEST(HearingString, IsThatOfPredecessorsWhereTheyAreHeardAlone) {
+  const PlatoonModel model = model_of(kRadioCar + R"(
+  - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, loss: {probability: 0.2, mean_burst: 3}}})");
+  ASSERT_TRUE(hears_predecessors_only(model));
+  const std::vector<double> expected = stationary_variances(model, 8), found = hearing_variances(model, 8);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-10) << i;
+  const StringStability one = string_stability(model), other = hearing_stability(model);
+  EXPECT_EQ(one.string_stable, other.string_stable);
+  EXPECT_NEAR(*one.limit_variance / *other.limit_variance, 1.0, 1e-9);
+  EXPECT_NEAR(*one.loss_gain, *other.loss_gain, 1e-6);
+}
+
+TEST(HearingString, NamesInputsThatAreNotAllowed) {
+  const auto error_of = [](std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    return message_of<ConfigurationError>([&text] { model_of(text); });
+  };
+  const auto expect = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect(error_of(kTwoAhead, "weight: 0.4", "weight: 0.5"), "weights that sum to 1.1");
+  expect(error_of(kTwoAhead, "from: 2", "from: 0"), "inputs[1]/from: 0: must be predecessor, leader");
+  expect(error_of(kTwoAhead, "from: 2", "from: leader"), "a position from the leader");
+  expect(error_of(kTwoAhead, "time_headway: 8", "spacing: constant\ntime_headway: 8"),
+         "absent beside spacing: constant");
+  expect(error_of(kPath, "gain: 0.3, ", ""), "inputs[3]/gain: missing");
+  expect(error_of(kLeaderShare, "channel: {delay: 1}", "channel: {delay: 0}"), "delay: 0: must be 1 or more");
+  expect(error_of(packet("{probability: 0.15}"), "channel: {packet: radio}}",
+                  "channel: {packet: radio, loss: {probability: 0.2}}}"),
+         "different losses in packet radio");
+  expect(error_of(kPath, "gain: 0.3, ", "gain: -0.3, "), "unstable: rho(A) = 1.0");
+}
+
+TEST(HearingString, IsWrittenAsItIsRead) {
+  for (const std::string& text : {std::string(kPath), std::string(kTwoAhead), packet("{probability: 0.1}")}) {
+    const nlohmann::json once = to_json(model_of(text));
+    EXPECT_EQ(to_json(parse_model(YAML::Load(once.dump()))), once) << text;
+  }
+}
+
+}  // namespace
+}  // namespace platoon
