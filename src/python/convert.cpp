@@ -34,7 +34,9 @@ bool is_matrix(const nlohmann::json& value) {
   return true;
 }
 
+// Raises what a signal's handler raises, as KeyboardInterrupt.
 void append(const nlohmann::json& row, std::vector<double>& values) {
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   for (const nlohmann::json& element : row) values.push_back(element.is_null() ? std::nan("") : element.get<double>());
 }
 

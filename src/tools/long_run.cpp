@@ -38,6 +38,12 @@ bool stop_requested() {
   return stopping;
 }
 
+Interruptible interruptible_by_signals() {
+  return Interruptible([] {
+    if (stopping) throw Interrupted();
+  });
+}
+
 void write_new(const std::string& file, const std::string& text) {
   if (may_exist(file))
     throw ConfigurationError({"output: " + file + ": exists and is never overwritten: must be another folder"});
@@ -49,6 +55,7 @@ ShardSettings shard_settings(const CommandLine& given) {
   how.threads = threads_of(given);
   how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
   how.stop = stop_requested;
+  how.stop_seconds = 0.5;  // a batch of many vehicles, or a repetition of a splitting, may take minutes
   if (given.has("checkpoint_seconds"))
     how.checkpoint_seconds = number_of(option_name("checkpoint_seconds"), given["checkpoint_seconds"], kPositive);
   return how;

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "tools/command_line.hpp"
 
@@ -14,6 +15,10 @@ void stop_on_signals();
 
 /// Whether such a signal has arrived.
 bool stop_requested();
+
+/// While it lives, such a signal ends the theory and the trajectories that this thread computes: they throw
+/// Interrupted.
+Interruptible interruptible_by_signals();
 
 /// Writes a file into the locked output folder. Throws ConfigurationError if it exists.
 void write_new(const std::string& file, const std::string& text);

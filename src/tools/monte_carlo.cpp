@@ -80,10 +80,10 @@ void require_equal(const platoon::RecordedResults& recorded, const std::string& 
 void write_trajectories(const platoon::Configuration& configuration, const std::string& only) {
   const auto last = static_cast<std::int64_t>(configuration.run.realizations) - 1;
   const auto realization = static_cast<std::uint64_t>(platoon::integer_of("only", only, 0, last));
-  const std::string text = platoon::trajectories_csv(configuration, realization),
-                    file = configuration.run.output + "/trajectories.csv";
+  const std::string file = configuration.run.output + "/trajectories.csv";
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-  platoon::write_new(file, text);
+  const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
+  platoon::write_new(file, platoon::trajectories_csv(configuration, realization));
   std::cout << "Realization " << realization << ": " << file << "\n";
 }
 
@@ -140,6 +140,9 @@ int main(int argc, char** argv) {
     if (!complete) return platoon::kInterrupted;
     if (recorded) require_equal(*recorded, configuration.run.output, given["repeat"]);
     return 0;
+  } catch (const platoon::Interrupted&) {
+    std::cout << "monte_carlo: stopped: the same command starts again\n";
+    return platoon::kInterrupted;
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << "\n";
     return 1;

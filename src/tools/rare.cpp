@@ -35,6 +35,7 @@ bool run_whole(const platoon::RareRun& run, platoon::ShardSettings settings) {
 
 // Writes the trajectories of one sample in place of an estimation.
 void write_trajectories(const platoon::RareRun& run, const std::string& vehicle, const std::string& only) {
+  const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
   const platoon::RareReplay replay = platoon::rare_replay(run, vehicle, only);
   const std::string file = run.configuration.run.output + "/trajectories.csv";
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run.configuration.run);
@@ -44,9 +45,7 @@ void write_trajectories(const platoon::RareRun& run, const std::string& vehicle,
 
 // The estimation; the pilot of a splitting, which may take long, ends at Ctrl-C.
 platoon::RareRun prepared(const platoon::Configuration& configuration, const platoon::RareOptions& options) {
-  const platoon::Interruptible by_signals([] {
-    if (platoon::stop_requested()) throw platoon::Interrupted();
-  });
+  const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
   return platoon::rare_run(configuration, options);
 }
 
@@ -136,8 +135,7 @@ int main(int argc, char** argv) {
       if (given.has(name))
         throw platoon::ConfigurationError({std::string(name) + ": given: must be with --trajectories"});
     }
-    platoon::ShardSettings how = platoon::shard_settings(given);
-    how.stop_seconds = 0.5;  // a repetition of a splitting may take minutes
+    const platoon::ShardSettings how = platoon::shard_settings(given);
     const bool complete =
         given.has("shard")
             ? platoon::run_shard(run.shard(platoon::parse_shard(given["shard"], run.samples())), how, run.work())

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import tempfile
+import time
 import unittest
 
 import live_platoon
@@ -146,6 +147,26 @@ class Interrupted(ShardsTest):
         self.assertEqual(live_platoon.statistics(self.path("run")), reference())
         self.assertEqual(sorted(os.listdir(self.path("run"))), [".lock", "statistics.csv", "summary.json"])
         self.assertIn("holds results already", self.run_tool("monte_carlo", "--output", self.path("run"), *LONG, status=1))
+
+    def test_ctrl_c_ends_what_is_no_batch_at_once(self):
+        """Computations of minutes; a loaded machine may be ten times slower than a second."""
+        for name, words in {
+                "the trajectories of a realization": ("--only", "0", "--trajectories", "--followers", "2000", "--steps", "9999"),
+                "theory": ("--loss", "0.1", "--followers", "400", "--steps", "10000", "--realizations", "10"),
+                "a batch": ("--followers", "2000", "--steps", "9000", "--batch", "1000", "--realizations", "1e6")}.items():
+            with self.subTest(name):
+                output = self.path(words[0])
+                process = self.start("monte_carlo", "--output", output, *words)
+                live_platoon.wait_for(lambda: os.path.exists(os.path.join(output, ".lock")), "the locked folder")
+                time.sleep(0.5)
+                self.assertIsNone(process.poll(), "it was over before it could be stopped")
+                process.send_signal(signal.SIGINT)
+                began = time.monotonic()
+                said = process.communicate(timeout=live_platoon.DEADLINE)[0]
+                self.assertLess(time.monotonic() - began, 10.0)
+                self.assertEqual(process.returncode, 130, said)
+                self.assertIn("monte_carlo: stopped", said)
+                self.assertEqual([file for file in os.listdir(output) if not file.startswith(".")], [])
 
     @unittest.skipIf(live_platoon.SANITIZED, "a sanitizer comes first in the list of preloaded libraries")
     def test_nothing_that_a_kill_leaves_must_be_removed_by_hand(self):

@@ -9,10 +9,17 @@ namespace platoon {
 struct Interrupted {};
 
 /// While an object of this class lives, the long loops of the theory in this thread call `check`, at intervals from
-/// microseconds to half a second. It throws Interrupted to end the computation, as on Ctrl-C in Python.
+/// microseconds to half a second. It throws Interrupted to end the computation, as on Ctrl-C in Python. The check of an
+/// outer object stays in force.
 class Interruptible {
 public:
   explicit Interruptible(std::function<void()> check) : check_(std::move(check)), before_(present()) {
+    if (before_ != nullptr) {
+      check_ = [inner = std::move(check_), outer = before_] {
+        (*outer)();
+        inner();
+      };
+    }
     present() = &check_;
   }
   ~Interruptible() { present() = before_; }

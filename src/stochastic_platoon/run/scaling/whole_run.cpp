@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
@@ -26,15 +27,23 @@ RunResult compute_in_memory(const Configuration& configuration, const ShardSetti
   return result_of(configuration, totals, {positions_expected(run, totals.count()), 1, now() - began, 0});
 }
 
+Prediction prediction_until_stopped(const Configuration& configuration, const ShardSettings& settings) {
+  const Interruptible by_settings([&settings] {
+    if (settings.stop()) throw Interrupted();
+  });
+  return predict(configuration);
+}
+
 }  // namespace
 
 WholeRun compute_run(Configuration configuration, const ShardSettings& settings) {
   const std::string output = configuration.run.output;
-  if (output.empty()) return {predict(configuration), compute_in_memory(configuration, settings)};
+  if (output.empty())
+    return {prediction_until_stopped(configuration, settings), compute_in_memory(configuration, settings)};
   // A restarted run keeps its name, so that it takes over its folder and its lock.
   configuration.run.launch_id = "monte_carlo";
   const std::unique_ptr<FolderLock> lock = lock_output(configuration.run);
-  WholeRun run{predict(configuration), {}};
+  WholeRun run{prediction_until_stopped(configuration, settings), {}};
   const ShardResult computed = compute_shard({configuration, {0, 1}}, settings);
   const Checkpoint& found = computed.checkpoint;
   run.result = result_of(configuration, found.totals, found.tally);
