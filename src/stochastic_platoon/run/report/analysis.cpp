@@ -157,10 +157,11 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
        {"stationary_variance", numbers(analysis.stationary_variance)},
        {"stationary_variance_by_input", by_input},
        {"contradictions", analysis.contradictions},
-       {"mean", rows(analysis.moments.mean, steps)},
-       {"variance", rows(analysis.moments.variance, steps)},
        {"norms", norms},
        {"bounds", bounds}});
+  // A list would copy these, which may be large.
+  document["mean"] = rows(analysis.moments.mean, steps);
+  document["variance"] = rows(analysis.moments.variance, steps);
   return document;
 }
 
@@ -168,13 +169,14 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
 
 nlohmann::json to_json(const Configuration& configuration, const Analysis& analysis) {
   const VehicleModel& own = configuration.model.default_vehicle();
-  nlohmann::json document = {{"headway", own.headway},
-                             {"noise_variance", own.position().noise_variance},
-                             {"theory", name_of_theory(!analysis.without_theory)},
-                             {"rounding", number(analysis.rounding)},
-                             {"warnings", analysis.warnings},
-                             {"age_of_information", ages_to_json(configuration.model, configuration.run.followers)}};
-  if (!analysis.without_theory) document.update(theory_to_json(configuration, analysis));
+  nlohmann::json document = nlohmann::json::object();
+  if (!analysis.without_theory) document = theory_to_json(configuration, analysis);
+  document.update({{"headway", own.headway},
+                   {"noise_variance", own.position().noise_variance},
+                   {"theory", name_of_theory(!analysis.without_theory)},
+                   {"rounding", number(analysis.rounding)},
+                   {"warnings", analysis.warnings},
+                   {"age_of_information", ages_to_json(configuration.model, configuration.run.followers)}});
   add_to_json(configuration, analysis.signals, document);
   if (!analysis.linear) return document;
   const std::vector<double>& beyond = analysis.beyond_limits;

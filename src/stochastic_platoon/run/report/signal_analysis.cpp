@@ -179,11 +179,13 @@ void add_to_json(const Configuration& configuration, const SignalAnalysis& analy
     document["amplification"] = to_json(analysis.amplification, configuration.run.burn_in);
   for (std::size_t s = 0; s < analysis.moments.size(); ++s) {
     const StationarySignal& signal = analysis.stationary[s];
-    document["signals"][names[s]] = {{"mean", rows(analysis.moments[s].mean, steps)},
-                                     {"variance", rows(analysis.moments[s].variance, steps)},
-                                     {"stationary_mean", numbers(signal.followers.mean)},
-                                     {"stationary_variance", numbers(signal.followers.variance)},
-                                     {"limit_variance", number(signal.limit_variance())}};
+    nlohmann::json& of = document["signals"][names[s]];
+    of = {{"stationary_mean", numbers(signal.followers.mean)},
+          {"stationary_variance", numbers(signal.followers.variance)},
+          {"limit_variance", number(signal.limit_variance())}};
+    // A list would copy these, which may be large.
+    of["mean"] = rows(analysis.moments[s].mean, steps);
+    of["variance"] = rows(analysis.moments[s].variance, steps);
   }
   if (analysis.collisions) document["collision"] = to_json(configuration.model, *analysis.collisions);
 }
