@@ -57,32 +57,42 @@ private:
   std::vector<double> values_;
 };
 
-// A stream of one vehicle: position, predecessor_position, input or predecessor_input.
+// A stream of one vehicle: position, predecessor_position, input, predecessor_input, received_position (the first
+// position among its inputs), or received/<n> (its input n).
 using StreamName = std::pair<std::string, std::size_t>;
 
-std::string topic_of(const StreamName& of, const RunOptions& run) {
+std::string topic_of(const StreamName& of, const Configuration& configuration) {
   const auto& [stream, vehicle] = of;
-  const std::size_t first = stream == "predecessor_position" || stream == "predecessor_input" ? 1 : 0;
-  if (vehicle < first || vehicle > run.followers) {
+  const std::size_t first = stream == "position" || stream == "input" ? 0 : 1;
+  if (vehicle < first || vehicle > configuration.run.followers) {
     throw std::out_of_range("vehicle: " + std::to_string(vehicle) + ": must be from " + std::to_string(first) + " to " +
-                            std::to_string(run.followers));
+                            std::to_string(configuration.run.followers));
   }
-  return "/" + vehicle_name(vehicle) + "/" + stream;
+  if (stream.rfind("received", 0) != 0) return "/" + vehicle_name(vehicle) + "/" + stream;
+  const VehicleModel& own = platoon::vehicle(configuration.model, vehicle);
+  const std::size_t input = stream == "received_position"
+                                ? static_cast<std::size_t>(&own.position() - own.inputs.data())
+                                : std::stoul(stream.substr(stream.find('/') + 1));
+  if (input >= own.inputs.size()) {
+    throw std::out_of_range("input: " + std::to_string(input) + ": must be from 0 to " +
+                            std::to_string(own.inputs.size() - 1));
+  }
+  return "/" + received_topic(own, vehicle, input);
 }
 
 // Tables of these streams, all read at once, with the realizations from `first` to before `end`. Throws
 // std::out_of_range for a stream that is not in the recording.
 std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<StreamName>& streams, std::uint64_t first,
                                    std::uint64_t end) {
-  const RunOptions run = recorded_platoon(source).configuration.run;
+  const Configuration configuration = recorded_platoon(source).configuration;
+  const RunOptions& run = configuration.run;
   end = std::min(end, run.realizations);
   if (first >= end)
     throw std::out_of_range("realizations: " + std::to_string(first) + ": must be below " + std::to_string(end));
-  std::map<std::pair<int, std::size_t>, std::size_t> places;
-  const auto key = [](const PlatoonTopic& topic) {
-    return std::pair(static_cast<int>(topic.kind), static_cast<std::size_t>(topic.vehicle));
-  };
-  for (std::size_t at = 0; at < streams.size(); ++at) places[key(parse_topic(topic_of(streams[at], run)).value())] = at;
+  const auto key = [](const PlatoonTopic& topic) { return std::tuple(topic.kind, topic.vehicle, topic.input); };
+  std::map<std::tuple<PlatoonTopic::Kind, std::size_t, std::size_t>, std::size_t> places;
+  for (std::size_t at = 0; at < streams.size(); ++at)
+    places[key(parse_topic(topic_of(streams[at], configuration)).value())] = at;
   std::vector<StreamTable> tables(streams.size(), StreamTable(run, first, end));
   std::vector<bool> is_empty(streams.size(), true);
   BagStream bags(source, [&](const PlatoonTopic& topic) { return places.count(key(topic)) > 0; });

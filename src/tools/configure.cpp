@@ -244,10 +244,6 @@ int main(int argc, char** argv) {
       configuration = platoon::parse_configuration(platoon::to_json(configuration).dump());
     }
     require_range(line, static_cast<std::int64_t>(configuration.run.followers), false);
-    if (!platoon::hears_predecessors_only(configuration.model)) {
-      throw platoon::ConfigurationError(
-          {"model/inputs: a vehicle hears others than its predecessor: must be run in one process by monte_carlo, as the nodes transmit one position and one control input of the predecessor"});
-    }
     require_free_namespace(line, configuration.run);
     require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);

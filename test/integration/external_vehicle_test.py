@@ -114,7 +114,7 @@ class Contract(ExternalTest):
                 # The attempt number is larger if the vehicle misses the first messages while it connects.
                 why = {"size": "999 positions, of 1000", "finite": "a NaN or an infinity", "answer": "no answer within 1 s",
                        "place": r": at 0 m, of -{} m, its initial position".format(5 * (i + 1)),
-                       "spacing": r"m behind a predecessor that drives 2 m per step; due: 5 \+ 5 \* 2 = 15 m",
+                       "spacing": "m behind a predecessor that drives 2 m per step; due: 15 m, with a standstill distance of 5 m and a headway of 5 steps",
                        "twice": r"step 6 of the realizations from 0, attempt \d+ was due, and came: step 5"}
                 self.assertRegex(said, why.get(fault, "step "))
         second = self.start_example(len(faults))

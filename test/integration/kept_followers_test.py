@@ -28,7 +28,7 @@ from folder import FolderTest
 from terminal import Terminal, start_master
 
 LONGEST = 60.0  # [s] limit for a launch: one that hangs never ends
-SHIPPED = ("paper.yaml", "cacc.yaml", "lossy.yaml", "mixed.yaml", "by_distance.yaml")
+SHIPPED = ("paper.yaml", "cacc.yaml", "lossy.yaml", "mixed.yaml", "by_distance.yaml", "path_cacc.yaml", "two_ahead.yaml")
 
 
 def some_with_radios(folder):

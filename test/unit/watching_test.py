@@ -25,6 +25,21 @@ class Configuration(unittest.TestCase):
         found = description.described(configuration(**sp.Model.load("by_distance.yaml").to_dict()).data)
         self.assertEqual((found["link"], found["loss"]), ("additive noise, losses by distance", None))
 
+    def test_the_vehicles_that_are_heard_are_listed_where_they_are_not_predecessors_alone(self):
+        self.assertEqual(description.described(configuration().data)["heard"], [])
+        self.assertEqual(description.described(self.without_paper("cacc.yaml"))["heard"], [])
+        found = description.described(self.without_paper("two_ahead.yaml", followers=4))
+        self.assertEqual(found["heard"], [[0], [0, 1], [1, 2], [2, 3]])
+        self.assertEqual(found["link"], "hears position of the predecessor (additive noise); position of vehicle i-2 (additive noise)")
+        self.assertEqual(description.described(self.without_paper("path_cacc.yaml", followers=3))["heard"], [[0], [0, 1], [0, 2]])
+
+    @staticmethod
+    def without_paper(name, followers=3):
+        """A configuration of a shipped model, without the keys of the paper's."""
+        document = json.loads(configuration(followers).data)
+        document["model"] = sp.Model.load(name).to_dict()
+        return json.dumps(document)
+
     def test_another_version_is_named(self):
         known = state.PlatoonState()
         known.take_configuration(message(data=configuration().data.replace(sp.__version__, "0.1.9")))

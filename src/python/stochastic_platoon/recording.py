@@ -58,7 +58,7 @@ class Recording:
         vehicles = [model.vehicle(i) for i in range(followers + 1)]
         end = min(first + count, total)
         positions = self._streams([("position", i) for i in range(followers + 1)], first, end)
-        received = self._streams([("predecessor_position", i) for i in range(1, followers + 1)], first, end)
+        received = self._streams([("received_position", i) for i in range(1, followers + 1)], first, end)
         period = model.sample_period
         steps = np.arange(-1.0, positions[0].shape[1] - 1.0)
         seconds = np.array([float("{:.10g}".format(step * period)) for step in steps])
@@ -99,6 +99,11 @@ class Recording:
     def predecessor_inputs(self, vehicle: int) -> NDArray[np.float64]:
         """v_{i-1}(k) as follower i received it."""
         return self._values("predecessor_input", vehicle)
+
+    def received(self, vehicle: int, n: int) -> NDArray[np.float64]:
+        """Input n of follower i as it received it, in the order of `inputs` in the model file and in the unit of its signal: of the same
+        shape. Raises IndexError for an input that the follower does not have."""
+        return self._values("received/{}".format(checked_vehicle(n)), vehicle)
 
     def results(self, signals: Optional[Iterable[str]] = None) -> Results:
         """The results of the run, bit for bit those that its monitor wrote, or with other signals. Raises ValueError if the

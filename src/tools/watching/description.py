@@ -28,8 +28,39 @@ def radio_of(model: Dict[str, Any]) -> Optional[Dict[str, Any]]:
     return next((of for of in model.get("inputs", []) if of["signal"] == "input"), None)
 
 
+def inputs_of(model: Dict[str, Any], follower: int) -> List[Dict[str, Any]]:
+    """What a follower hears, as in the model file; empty if it hears its predecessor's position alone."""
+    string = model.get("string", ["default"])
+    own = model.get("vehicle_types", {}).get(string[(follower - 1) % len(string)], {})
+    inputs: List[Dict[str, Any]] = own.get("inputs", model.get("inputs", []))
+    return inputs
+
+
+def sources_of(model: Dict[str, Any], follower: int) -> List[int]:
+    """The vehicles that a follower hears, from the leader on."""
+    ahead = {"predecessor": 1, "leader": follower}
+    heard = [of.get("from", "predecessor") for of in inputs_of(model, follower)] or ["predecessor"]
+    return sorted({max(follower - ahead.get(of, of), 0) for of in heard})
+
+
+def hears_others(model: Dict[str, Any]) -> bool:
+    """Whether a vehicle hears more than position and control input of its predecessor."""
+    every = [model, *model.get("vehicle_types", {}).values()]
+    return any(of["signal"] in ("speed", "acceleration") or of.get("from", "predecessor") != "predecessor"
+               for vehicle in every for of in vehicle.get("inputs", []))
+
+
+def input_words(of: Dict[str, Any]) -> str:
+    source = {"predecessor": "the predecessor", "leader": "the leader"}.get(of.get("from", "predecessor"), "vehicle i-{}".format(of.get("from")))
+    unit = {"position": "m", "speed": "m/s"}.get(of["signal"], "m/s²")
+    return "{} of {} ({})".format(of["signal"], source, ", ".join(channel_words(of.get("channel", {}), unit)))
+
+
 def link_of(model: Dict[str, Any]) -> str:
     """A text that describes the links of the default vehicle."""
+    if hears_others(model):
+        words = ["hears " + "; ".join(map(input_words, model["inputs"]))] if "inputs" in model else []
+        return ", ".join(words + (["mixed string"] if model.get("vehicle_types") else []))
     words, radio = channel_words(model.get("channel", {}), "m"), radio_of(model)
     if radio:
         words.append("radio with " + ", ".join(channel_words(radio["channel"], "m/s²")))
@@ -62,6 +93,7 @@ def described(text: str) -> Dict[str, Any]:
             "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,
             "manoeuvres": configuration.model.manoeuvres(), "fastest_car": FASTEST_CAR,
             "vehicle_lengths": lengths_of(configuration.model, "vehicle_types" in model, run["followers"]),
+            "heard": [sources_of(model, i) for i in range(1, run["followers"] + 1)] if hears_others(model) else [],
             "output": run["output"], "external": [int(i) for i in run.get("external", "").split(",") if i]}
 
 

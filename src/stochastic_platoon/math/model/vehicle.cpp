@@ -1,10 +1,8 @@
 #include "stochastic_platoon/math/model/vehicle.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "stochastic_platoon/math/model/limited_vehicle.hpp"
-#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/multiples.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
@@ -49,11 +47,7 @@ void FollowerVehicle::start(std::uint64_t first_realization, std::size_t count, 
   loop_->start(positions, slope_);
   loop_->output(positions);
   if (!sums_) return;
-  for (std::size_t back = 0; back < sums_->own.size(); ++back) {
-    AlignedValues& before = sums_->own[back];
-    before.assign(positions.begin(), positions.end());
-    for (double& position : before) position = position_before(position, back, slope_);
-  }
+  sums_->own.start(positions.data(), count, slope_);
   sums_->position.resize(count);
   sums_->forward.resize(count);
 }
@@ -65,9 +59,7 @@ void FollowerVehicle::step(const Received& received, double* positions, double* 
   }
   sum(received);
   loop_->step(sums_->position.data(), offset_, positions, {sums_->forward.data(), feed_forward_gain_, own_input});
-  std::swap(sums_->own[2], sums_->own[1]);
-  std::swap(sums_->own[1], sums_->own[0]);
-  std::copy_n(positions, sums_->own[0].size(), sums_->own[0].begin());
+  sums_->own.add(positions);
 }
 
 void FollowerVehicle::sum(const Received& received) {
@@ -83,8 +75,8 @@ void FollowerVehicle::sum(const Received& received) {
   }
   if (!has_other) std::fill(sums_->forward.begin(), sums_->forward.end(), 0.0);
   if (sums_->own_speed == 0.0 && sums_->own_acceleration == 0.0) return;
-  const auto& own = sums_->own;
-  detail::add_own_motion(sums_->own_speed, sums_->own_acceleration, own[0].data(), own[1].data(), own[2].data(), count,
+  const Signal::Own<const double*> own = sums_->own.all();
+  detail::add_own_motion(sums_->own_speed, sums_->own_acceleration, own[0], own[1], own[2], count,
                          sums_->forward.data());
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,6 +9,7 @@
 #include "stochastic_platoon/math/model/loop_batch.hpp"
 #include "stochastic_platoon/math/model/manoeuvre.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/model/recent_positions.hpp"
 #include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
@@ -39,8 +39,8 @@ private:
   /// The sums over the inputs of a vehicle that hears others than its predecessor.
   struct Sums {
     std::vector<Input> inputs;
-    double own_speed, own_acceleration;         ///< gains of D y [1/s^2] and D^2 y [1/s^2]
-    std::array<AlignedValues, 3> own = {};      ///< y(k), y(k-1), y(k-2)
+    double own_speed, own_acceleration;  ///< gains of D y [1/s^2] and D^2 y [1/s^2]
+    RecentPositions own = {};
     AlignedValues position = {}, forward = {};  ///< of the positions, and of all other signals
   };
   void sum(const Received& received);

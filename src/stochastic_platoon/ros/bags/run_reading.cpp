@@ -51,8 +51,7 @@ RunReading::RunReading(const RecordedPlatoon& platoon, const std::optional<std::
 
 void RunReading::take(const RecordedMessage& message) {
   if (message.topic.name_space != platoon_.name_space) return;
-  if (message.topic.kind <= PlatoonTopic::Kind::predecessor_input)
-    return take_values(message.topic, message.position());
+  if (message.topic.kind < PlatoonTopic::Kind::error_statistics) return take_values(message.topic, message.position());
   const auto& figures = std::get<ErrorStatistics::Ptr>(message.content);
   if (!figures->time_average && figures->realizations == platoon_.configuration.run.realizations)
     figures_[figures->step] = figures;

@@ -35,7 +35,7 @@ RunRecording::RunRecording(const Configuration& configuration, const std::string
       arrivals_(configuration.run.schedule(), topics_.size(), configuration.run.first_realization, 0) {
   for (std::size_t s = 0; s < topics_.size(); ++s) {
     const PlatoonTopic topic = parse_topic(topics_[s]).value();
-    streams_[{topic.kind, topic.vehicle}] = s;
+    streams_[{topic.kind, topic.vehicle, topic.input}] = s;
   }
   try {
     recover();
@@ -50,12 +50,18 @@ std::vector<std::string> recorded_topics(const Configuration& configuration, con
   const std::size_t followers = configuration.run.followers;
   std::vector<std::string> topics;
   const auto add = [&](const std::string& topic) { topics.push_back(name_space + "/" + topic); };
+  const auto add_received = [&](std::size_t i, bool predecessor_position) {
+    const VehicleModel& own = vehicle(configuration.model, i);
+    for (std::size_t n = 0; n < own.inputs.size(); ++n) {
+      const std::string topic = received_topic(own, i, n);
+      if ((topic == predecessor_position_topic(i)) == predecessor_position) add(topic);
+    }
+  };
   for (std::size_t i = 0; i <= followers; ++i) add(position_topic(i));
-  for (std::size_t i = 1; i <= followers; ++i) add(predecessor_position_topic(i));
+  for (std::size_t i = 1; i <= followers; ++i) add_received(i, true);
   for (std::size_t i = 0; i < followers; ++i) {
-    if (!sends_input(configuration.model, i, followers)) continue;
-    add(input_topic(i));
-    add(predecessor_input_topic(i + 1));
+    if (sends_input(configuration.model, i, followers)) add(input_topic(i));
+    add_received(i + 1, false);
   }
   for (const std::size_t i : measured_followers(configuration)) {
     if (!sends_input(configuration.model, i, followers)) add(input_topic(i));
@@ -105,7 +111,7 @@ void RunRecording::take(std::size_t stream, const Message& message) {
 
 // None if the topic is no stream of this recording.
 std::optional<std::size_t> RunRecording::stream_of(const PlatoonTopic& topic) const {
-  const auto stream = streams_.find({topic.kind, topic.vehicle});
+  const auto stream = streams_.find({topic.kind, topic.vehicle, topic.input});
   return stream != streams_.end() ? std::make_optional(stream->second) : std::nullopt;
 }
 

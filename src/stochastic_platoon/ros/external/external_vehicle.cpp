@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "stochastic_platoon/run/delivery/message_pairs.hpp"
+#include "stochastic_platoon/run/delivery/message_sets.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 
 namespace platoon {
@@ -33,9 +33,36 @@ nlohmann::json value_of(const nlohmann::json& model, std::size_t follower, const
   return type == "default" ? common : model.at("vehicle_types").at(type).value(key, common);
 }
 
-bool hears_input(const nlohmann::json& model, std::size_t follower) {
-  const nlohmann::json inputs = value_of(model, follower, "inputs");
-  return std::any_of(inputs.begin(), inputs.end(), [](const auto& input) { return input.at("signal") == "input"; });
+std::vector<VehicleInput> inputs_of(const nlohmann::json& model, std::size_t follower) {
+  nlohmann::json inputs = value_of(model, follower, "inputs");
+  if (inputs.is_null()) inputs = nlohmann::json::parse(R"([{"signal": "position"}])");
+  const auto from = [&inputs](std::size_t n) { return inputs[n].value("from", nlohmann::json("predecessor")); };
+  const auto carries = [&](std::size_t n, const char* signal) {
+    return from(n) == "predecessor" && inputs[n].at("signal") == signal;
+  };
+  std::vector<VehicleInput> found;
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
+    const nlohmann::json& input = inputs[n];
+    const std::size_t ahead = from(n) == "predecessor" ? 1
+                              : from(n) == "leader"    ? follower
+                                                       : from(n).get<std::size_t>();
+    found.push_back({input.at("signal"), follower - std::min(ahead, follower),
+                     input.value("weight", input.value("gain", 1.0)), received_topic(follower, n, carries)});
+  }
+  return found;
+}
+
+double headway_of(const nlohmann::json& model, std::size_t follower) {
+  const nlohmann::json headway = value_of(model, follower, "time_headway");
+  return headway.is_null() ? 0.0 : headway.get<double>();
+}
+
+std::string received_position(std::size_t follower) {
+  return vehicle_name(follower) + "/predecessor_position";
+}
+
+std::string received_input(std::size_t follower) {
+  return vehicle_name(follower) + "/predecessor_input";
 }
 
 /// How the platoon starts: vehicle 0 moves from `first` by `slope` per step [m].
@@ -61,26 +88,47 @@ SteadyStart start_of(const nlohmann::json& model) {
   return {true, -slope, slope};
 }
 
+// Places of vehicles 0 .. index at step -1 [m]: in formation or, for a steady start, where no vehicle has a spacing
+// error.
+std::vector<double> places_of(const nlohmann::json& model, std::size_t index, const SteadyStart& start) {
+  std::vector<double> places{start.first};
+  for (std::size_t i = 1; i <= index; ++i) {
+    const double distance = value_of(model, i, "standstill_distance").get<double>();
+    if (!start.steady) {
+      places.push_back(places.back() - distance);
+      continue;
+    }
+    const double spacing = distance + start.slope * headway_of(model, i);
+    const nlohmann::json inputs = value_of(model, i, "inputs"), channel = value_of(model, i, "channel");
+    const auto delay = [&](std::size_t n) {
+      const nlohmann::json& own =
+          inputs.is_array() && inputs[n].contains("channel") ? inputs[n].at("channel") : channel;
+      return own.is_object() ? own.value("delay", 0.0) : 0.0;
+    };
+    double place = 0.0;
+    const std::vector<VehicleInput> heard = inputs_of(model, i);
+    for (std::size_t n = 0; n < heard.size(); ++n) {
+      if (heard[n].signal != "position") continue;
+      const auto ahead = static_cast<double>(i - heard[n].source);
+      place += heard[n].gain * (places[heard[n].source] - start.slope * delay(n) - ahead * spacing);
+    }
+    places.push_back(place);
+  }
+  return places;
+}
+
 VehicleSettings settings_of(const nlohmann::json& model, std::size_t index) {
   const SteadyStart start = start_of(model);
-  const auto distance_up_to = [&](std::size_t last) {
-    double distance = 0.0;
-    for (std::size_t i = 1; i <= last; ++i) {
-      distance += value_of(model, i, "standstill_distance").get<double>();
-      if (!start.steady) continue;
-      const nlohmann::json channel = value_of(model, i, "channel");
-      const double delay = channel.is_object() ? channel.value("delay", 0.0) : 0.0;
-      distance += start.slope * (value_of(model, i, "time_headway").get<double>() + delay);
-    }
-    return distance;
-  };
-  const std::size_t length = model.contains("string") ? model.at("string").size() : 1, repetitions = index / length;
-  return {value_of(model, index, "time_headway").get<double>(),
+  const std::vector<VehicleInput> inputs = inputs_of(model, index);
+  const double period = model.at("sample_period");
+  return {headway_of(model, index),
           value_of(model, index, "standstill_distance").get<double>(),
-          model.at("sample_period"),
-          start.first - (static_cast<double>(repetitions) * distance_up_to(length) + distance_up_to(index % length)),
-          start.slope / model.at("sample_period").get<double>(),
-          hears_input(model, index)};
+          period,
+          places_of(model, index, start).back(),
+          start.slope / period,
+          std::any_of(inputs.begin(), inputs.end(),
+                      [index](const VehicleInput& of) { return of.topic == received_input(index); }),
+          inputs};
 }
 
 }  // namespace
@@ -100,32 +148,63 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
 ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, Move move)
     : ExternalVehicle(
           platoon, index, std::move(start),
-          [move = std::move(move)](const auto& received, const auto&, auto& position, auto&) {
-            move(received, position);
-          },
-          false) {}
+          [move = std::move(move)](const auto& received, auto& position, auto&) { move(received.front(), position); },
+          Hears::position) {}
 
 ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, MoveByRadio move)
-    : ExternalVehicle(platoon, index, std::move(start), std::move(move), true) {}
+    : ExternalVehicle(
+          platoon, index, std::move(start),
+          [move = std::move(move)](const auto& received, auto& position, auto& input) {
+            static const std::vector<double> nothing;
+            move(received.front(), received.size() > 1 ? received[1] : nothing, position, input);
+          },
+          Hears::radio) {}
 
-ExternalVehicle::ExternalVehicle(const ros::NodeHandle& platoon, std::size_t index, Start start, MoveByRadio move,
-                                 bool radio)
+ExternalVehicle::ExternalVehicle(ros::NodeHandle platoon, std::size_t index, Start start, MoveByInputs move)
+    : ExternalVehicle(platoon, index, std::move(start), std::move(move), Hears::all) {}
+
+ExternalVehicle::ExternalVehicle(const ros::NodeHandle& platoon, std::size_t index, Start start, MoveByInputs move,
+                                 Hears hears)
     : platoon_(platoon),
       index_(index),
-      pairs_(std::make_shared<MessagePairs<Message::ConstPtr>>()),
       start_(std::move(start)),
-      move_(std::move(move)) {
+      move_(std::move(move)),
+      hears_(hears),
+      first_(received_position(index)),
+      sets_(std::make_shared<MessageSets<Message::ConstPtr>>(1)) {
   require_follower(index);
-  const std::string name = vehicle_name(index);
-  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay(true);
-  position_ = platoon_.advertise<Position>(name + "/position", kUnbounded);
-  if (radio) input_ = platoon_.advertise<Position>(name + "/input", kUnbounded);
-  predecessor_position_ = platoon_.subscribe(name + "/predecessor_position", kUnbounded,
-                                             &ExternalVehicle::receive_position, this, no_delay);
-  if (radio) {
-    predecessor_input_ =
-        platoon_.subscribe(name + "/predecessor_input", kUnbounded, &ExternalVehicle::receive_input, this, no_delay);
+  position_ = platoon_.advertise<Position>(vehicle_name(index) + "/position", kUnbounded);
+  if (hears != Hears::position) input_ = platoon_.advertise<Position>(vehicle_name(index) + "/input", kUnbounded);
+  subscribe(first_);
+  if (hears != Hears::position) subscribe(received_input(index));
+  if (hears != Hears::all || !platoon_.hasParam("configuration")) return;
+  const std::vector<std::string> topics = heard_topics();
+  first_ = topics.front();
+  for (const std::string& topic : topics) subscribe(topic);
+}
+
+// In the present run.
+std::vector<std::string> ExternalVehicle::heard_topics() const {
+  if (hears_ == Hears::position) return {received_position(index_)};
+  const VehicleSettings settings = vehicle_settings(platoon_, index_);
+  std::vector<std::string> topics;
+  if (hears_ == Hears::all) {
+    for (const VehicleInput& input : settings.inputs) topics.push_back(input.topic);
+    return topics;
   }
+  topics = {received_position(index_)};
+  if (settings.hears_input) topics.push_back(received_input(index_));
+  return topics;
+}
+
+void ExternalVehicle::subscribe(const std::string& topic) {
+  Stream& stream = streams_[topic];
+  if (stream.subscriber) return;
+  const boost::function<void(const Message::ConstPtr&)> callback = [this, topic](const Message::ConstPtr& message) {
+    receive(topic, message);
+  };
+  stream.subscriber = platoon_.subscribe<Position>(topic, kUnbounded, callback, ros::VoidConstPtr(),
+                                                   ros::TransportHints().tcpNoDelay(true));
 }
 
 // Accepts the step after the latest, and a step -1 of another run, of a newer attempt or of the next batch.
@@ -140,36 +219,47 @@ bool ExternalVehicle::Stream::takes(const Message::ConstPtr& message) {
   return in_turn;
 }
 
-void ExternalVehicle::receive_position(const Message::ConstPtr& message) {
-  const bool other_run = !positions_.latest || positions_.latest->run != message->run;
-  if (!positions_.takes(message)) return;
-  if (other_run) hears_ = input_ && vehicle_settings(platoon_, index_).hears_input;
-  if (!hears_) return answer(*message, {});
-  pairs_->add_position(message);
-  match();
+void ExternalVehicle::begin(std::uint64_t run) {
+  run_ = run;
+  const std::vector<std::string> topics = heard_topics();
+  first_ = topics.front();
+  for (auto& [topic, stream] : streams_) stream.number.reset();
+  *sets_ = MessageSets<Message::ConstPtr>(topics.size());
+  for (std::size_t n = 0; n < topics.size(); ++n) {
+    subscribe(topics[n]);
+    Stream& stream = streams_[topics[n]];
+    stream.number = n;
+    for (const Message::ConstPtr& message : std::exchange(stream.early, {})) {
+      if (message->run == run) sets_->add(n, message);
+    }
+  }
 }
 
-void ExternalVehicle::receive_input(const Message::ConstPtr& message) {
-  if (!inputs_.takes(message)) return;
-  pairs_->add_input(message);
-  match();
+void ExternalVehicle::receive(const std::string& topic, const Message::ConstPtr& message) {
+  Stream& stream = streams_[topic];
+  if (!stream.takes(message)) return;
+  if (topic == first_ && message->run != run_) begin(message->run);
+  if (message->run != run_) {
+    if (message->step == -1) stream.early.clear();
+    return stream.early.push_back(message);
+  }
+  if (!stream.number) return;
+  sets_->add(*stream.number, message);
+  sets_->visit(run_, [this](const auto& received) { answer(received); });
 }
 
-void ExternalVehicle::match() {
-  if (!positions_.latest) return;
-  pairs_->visit(positions_.latest->run,
-                [this](const auto& position, const auto& input) { answer(*position, input->position); });
-}
-
-void ExternalVehicle::answer(const Message& received, const std::vector<double>& heard) {
-  if (received.step == -1) {
-    own_.assign(received.position.size(), 0.0);
-    own_input_.assign(received.position.size(), 0.0);
+void ExternalVehicle::answer(const std::vector<Message::ConstPtr>& received) {
+  const Message& first = *received.front();
+  if (first.step == -1) {
+    own_.assign(first.position.size(), 0.0);
+    own_input_.assign(first.position.size(), 0.0);
     start_(own_);
   }
-  publish(position_, received, own_);
-  if (input_) publish(input_, received, own_input_);
-  move_(received.position, heard, own_, own_input_);
+  publish(position_, first, own_);
+  if (input_) publish(input_, first, own_input_);
+  std::vector<std::vector<double>> values;
+  for (const Message::ConstPtr& message : received) values.push_back(message->position);
+  move_(values, own_, own_input_);
 }
 
 void ExternalVehicle::publish(const ros::Publisher& publisher, const Message& received,

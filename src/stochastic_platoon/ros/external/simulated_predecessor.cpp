@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
@@ -20,12 +21,14 @@ constexpr double kStartPeriod = 0.5;  // [s] between attempts to begin a run, as
 
 }  // namespace
 
-SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience, bool radio)
-    : vehicle_(vehicle),
-      platoon_(platoon),
-      patience_(patience),
-      predecessor_position_(platoon.advertise<Position>(predecessor_position_topic(vehicle), kUnboundedQueue)) {
-  if (radio) predecessor_input_ = platoon.advertise<Position>(predecessor_input_topic(vehicle), kUnboundedQueue);
+SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, const PlatoonModel& model, std::size_t vehicle,
+                                           double patience)
+    : vehicle_(vehicle), platoon_(platoon), patience_(patience) {
+  const VehicleModel& own = platoon::vehicle(model, vehicle);
+  for (std::size_t n = 0; n < own.inputs.size(); ++n) {
+    sent_inputs_.push_back(
+        {own.inputs[n], platoon.advertise<Position>(received_topic(own, vehicle, n), kUnboundedQueue)});
+  }
   const boost::function<void(const PositionEvent&)> callback = [this](const PositionEvent& event) {
     received_.push_back(event);
   };
@@ -43,15 +46,17 @@ bool SimulatedPredecessor::wait_for_vehicle(double seconds) {
 }
 
 bool SimulatedPredecessor::is_connected() const {
-  return position_.getNumPublishers() > 0 && predecessor_position_.getNumSubscribers() > 0 &&
-         (!predecessor_input_ || predecessor_input_->getNumSubscribers() > 0);
+  return position_.getNumPublishers() > 0 &&
+         std::all_of(sent_inputs_.begin(), sent_inputs_.end(),
+                     [](const Sent& sent) { return sent.publisher.getNumSubscribers() > 0; });
 }
 
 // Repeats the first step until it is answered, as a leader does while links come up.
 void SimulatedPredecessor::begin_run(const Configuration& configuration) {
   schedule_ = configuration.run.schedule();
-  place_ = start_place(configuration.model, vehicle_);
-  predecessor_place_ = start_place(configuration.model, vehicle_ - 1);
+  places_.clear();
+  for (std::size_t i = 0; i <= vehicle_; ++i) places_.push_back(start_place(configuration.model, i));
+  sample_period_ = configuration.model.sample_period;
   period_ = platoon_period(configuration.model.sample_period);
   platoon_.setParam("configuration", to_json(configuration).dump());
   run_ = run_identity(configuration);
@@ -90,25 +95,37 @@ void SimulatedPredecessor::send_next(double shift) {
   send(sent_, run_, shift);
 }
 
+// `shift`: added to positions [m].
 void SimulatedPredecessor::send(const MessageId& id, std::uint64_t run, double shift) {
-  const Position::Ptr message(new Position);
-  message->header.stamp = stamp_;
-  set_id(run, id, *message);
-  for (std::uint64_t r = 0; r < schedule_.size(id.first_realization); ++r)
-    message->position.push_back(predecessor_at(id.step, id.first_realization + r) + shift);
-  predecessor_position_.publish(message);
-  if (!predecessor_input_) return;
-  const Position::Ptr input(new Position(*message));
-  for (std::size_t r = 0; r < input->position.size(); ++r)
-    input->position[r] =
-        id.step < 0 ? 0.0 : 0.1 * wobble_ * std::sin(static_cast<double>(id.step) + static_cast<double>(r));
-  predecessor_input_->publish(input);
+  for (const Sent& sent : sent_inputs_) {
+    const Position::Ptr message(new Position);
+    message->header.stamp = stamp_;
+    set_id(run, id, *message);
+    for (std::uint64_t r = 0; r < schedule_.size(id.first_realization); ++r) {
+      const double value = value_of(sent.input, id.step, id.first_realization + r);
+      message->position.push_back(sent.input.signal == InputSignal::position ? value + shift : value);
+    }
+    sent.publisher.publish(message);
+  }
 }
 
-double SimulatedPredecessor::predecessor_at(std::int64_t step, std::uint64_t realization) const {
-  if (step < 0) return predecessor_place_;
+double SimulatedPredecessor::value_of(const Input& input, std::int64_t step, std::uint64_t realization) const {
+  const std::size_t source = source_of(input, vehicle_);
+  if (input.signal == InputSignal::input) {
+    const double phase = static_cast<double>(step) + static_cast<double>(realization);
+    return step < 0 ? 0.0 : 0.1 * wobble_ * std::sin(phase);
+  }
+  if (input.signal == InputSignal::position) return position_of(source, step, realization);
+  Signal::Own<double> positions{};
+  for (std::size_t back = 0; back < positions.size(); ++back)
+    positions[back] = position_of(source, step - static_cast<std::int64_t>(back), realization);
+  return difference(input.signal, sample_period_)(0.0, positions);
+}
+
+double SimulatedPredecessor::position_of(std::size_t source, std::int64_t step, std::uint64_t realization) const {
+  if (step < 0) return places_[source];
   const auto k = static_cast<double>(step), r = static_cast<double>(realization);
-  return predecessor_place_ + speed_ * k + wobble_ * std::sin(12.9898 * (r + 1.0) + 78.233 * k);
+  return places_[source] + speed_ * k + wobble_ * std::sin(12.9898 * (r + 1.0) + 78.233 * k);
 }
 
 void SimulatedPredecessor::wait_for_answer(std::int64_t step) {
@@ -179,9 +196,9 @@ void SimulatedPredecessor::judge_name(const Position& message) const {
 void SimulatedPredecessor::judge_start(const Position& message) const {
   constexpr double kRounding = 1e-6;  // [m]
   for (const double position : message.position) {
-    if (std::abs(position - place_) > kRounding)
-      throw BrokenClause(Clause::start_anew,
-                         here(kInitialStep) + formatted(": at %g m, of %g m, its initial position", position, place_));
+    if (std::abs(position - places_.back()) > kRounding)
+      throw BrokenClause(Clause::start_anew, here(kInitialStep) + formatted(": at %g m, of %g m, its initial position",
+                                                                            position, places_.back()));
   }
 }
 

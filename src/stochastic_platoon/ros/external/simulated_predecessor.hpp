@@ -24,16 +24,15 @@ struct BrokenClause : std::runtime_error {
   Clause clause;
 };
 
-/// The predecessor of one vehicle, with leader, channel and monitor: sends it positions and judges each answer by the
-/// vehicle contract. Throws BrokenClause.
+/// The vehicles ahead of one vehicle, with leader, channel and monitor: sends it all its inputs, free of noise, and
+/// judges each answer by the vehicle contract. All vehicles ahead move alike, each from its place. Throws BrokenClause.
 ///
 /// Sets the parameter `configuration`, as a launch would. Subscribes: `vehicle_<i>/position`. Publishes:
-/// `vehicle_<i>/predecessor_position` and, to a vehicle with a radio, `vehicle_<i>/predecessor_input`. All
-/// stochastic_platoon/Position.
+/// received_topic() of its inputs, `vehicle_<i>/predecessor_position` of the paper's. All stochastic_platoon/Position.
 class SimulatedPredecessor {
 public:
-  /// `patience`: time limit for an answer [s]. `radio`: the vehicle has a radio.
-  SimulatedPredecessor(ros::NodeHandle platoon, std::size_t vehicle, double patience, bool radio);
+  /// `patience`: time limit for an answer [s]. All runs have the inputs of this vehicle's in `model`.
+  SimulatedPredecessor(ros::NodeHandle platoon, const PlatoonModel& model, std::size_t vehicle, double patience);
 
   /// Waits at most `seconds` [s] for the vehicle; returns whether it is connected.
   bool wait_for_vehicle(double seconds);
@@ -45,7 +44,7 @@ protected:
   void send(const MessageId& id, std::uint64_t run, double shift = 0.0);
   void send_next(double shift = 0.0);
   bool is_connected() const;
-  double predecessor_at(std::int64_t step, std::uint64_t realization) const;
+  double position_of(std::size_t source, std::int64_t step, std::uint64_t realization) const;
   void wait_for_answer(std::int64_t step);
   std::string here(std::int64_t step) const;
 
@@ -53,7 +52,7 @@ protected:
   BatchSchedule schedule_{1, 1, 1};
   std::uint64_t run_ = 0;
   MessageId sent_{0, 0, kNothingYet};  ///< the latest message sent in turn
-  double speed_ = 2.0, wobble_ = 0.5;  ///< of the predecessor [m per step], [m], different in each realization
+  double speed_ = 2.0, wobble_ = 0.5;  ///< of the vehicles ahead [m per step], [m], different in each realization
   std::optional<Clause> tested_;       ///< the clause that a wrong or missing answer breaks at present
   std::map<std::int64_t, std::vector<double>> answers_;  ///< of the batch, by step
   ros::Subscriber position_;
@@ -64,10 +63,12 @@ private:
   void judge(const PositionEvent& received);
   void judge_name(const Message& message) const;
   void judge_start(const Message& message) const;
+  double value_of(const Input& input, std::int64_t step, std::uint64_t realization) const;
 
   ros::NodeHandle platoon_;
-  double patience_;                               ///< [s]
-  double place_ = 0.0, predecessor_place_ = 0.0;  ///< initial positions [m]
+  double patience_;             ///< [s]
+  std::vector<double> places_;  ///< initial positions of the vehicles up to this one [m]
+  double sample_period_ = 0.0;  ///< T_s [s]
   ros::Duration period_;
   std::int64_t answered_ = kNothingYet;  ///< the latest answered step of the batch
   bool starting_ = false;                ///< no answer of this batch yet: other answers are ignored
@@ -75,8 +76,12 @@ private:
   ros::Time start_;                      ///< stamp of the batch's step -1
   std::set<std::string> publishers_;
   std::deque<PositionEvent> received_;
-  ros::Publisher predecessor_position_;
-  std::optional<ros::Publisher> predecessor_input_;
+  /// An input of the vehicle.
+  struct Sent {
+    Input input;
+    ros::Publisher publisher;
+  };
+  std::vector<Sent> sent_inputs_;
 };
 
 }  // namespace platoon

@@ -20,11 +20,12 @@ bool same_bits(const std::vector<double>& one, const std::vector<double>& other)
   return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size() * sizeof(double)) == 0;
 }
 
-// A larger standstill distance, and another headway where the loop takes one. The first candidate is larger, too, so
-// that the changes of the distance add up; it may leave a loop unstable that is not normalised by 1 + h.
+// A larger standstill distance, and another headway where the loop takes one and the vehicle hears its predecessor
+// alone. The first candidate is larger, too, so that the changes of the distance add up; it may leave a loop unstable
+// that is not normalised by 1 + h.
 void space_otherwise(VehicleModel& vehicle) {
   vehicle.standstill_distance += kMoreDistance;
-  if (!vehicle.design) return;
+  if (!vehicle.design || !vehicle.hears_predecessor_only()) return;
   for (const double headway : {1.25 * vehicle.headway + 1.0, 1.05 * vehicle.headway}) {
     const ClosedLoop loop = close_loop(*vehicle.design, headway);
     if (spectral_radius(loop) >= 1.0) continue;
@@ -64,9 +65,7 @@ Configuration spaced_otherwise(Configuration configuration) {
 
 VehicleCheck::VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next,
                            std::size_t vehicle, double patience)
-    : SimulatedPredecessor(platoon, vehicle, patience, platoon::vehicle(present.model, vehicle).radio() != nullptr),
-      present_(present),
-      next_(next) {}
+    : SimulatedPredecessor(platoon, present.model, vehicle, patience), present_(present), next_(next) {}
 
 std::optional<BrokenClause> VehicleCheck::run(const Holds& holds) {
   const std::vector<std::pair<void (VehicleCheck::*)(), std::vector<Clause>>> parts = {
@@ -176,14 +175,14 @@ void VehicleCheck::check_runs() {
   check_publishers();
 }
 
-// The predecessor drives at constant speed. A vehicle that is slower than the model's gets more steps.
+// The vehicles ahead drive at constant speed. A vehicle that is slower than the model's gets more steps.
 void VehicleCheck::check_spacing() {
   constexpr int kDoublings = 4;
   const Configuration spaced = spaced_otherwise(next_);
   const VehicleModel usual = vehicle(next_.model, vehicle_), other = vehicle(spaced.model, vehicle_);
   speed_ = speed_of_check(spaced.model) * spaced.model.sample_period;
   wobble_ = 0.0;
-  const double due = other.standstill_distance + other.headway * speed_;
+  const double spacing = other.standstill_distance + other.headway * speed_;
   const double by_headway = std::abs(other.headway - usual.headway) * speed_;
   // Half of the error of a vehicle that ignores the distance or the headway.
   const double most = 0.5 * (by_headway > 0.0 ? std::min(by_headway, kMoreDistance) : kMoreDistance);
@@ -191,13 +190,21 @@ void VehicleCheck::check_spacing() {
   std::int64_t step = std::clamp<std::int64_t>(settling_steps(spaced.model, 1).value_or(0), 200, 20000);
   for (int doubling = 0;; ++doubling, step *= 2) {
     go_on_to(step);
-    const double distance = predecessor_at(step, 0) - answers_.at(step).front();
-    if (std::abs(distance - due) <= most) return;
+    double due = 0.0;  // a position
+    for (const Input& input : other.inputs) {
+      if (input.signal != InputSignal::position) continue;
+      const std::size_t source = source_of(input, vehicle_);
+      due += input.gain * (position_of(source, step, 0) - static_cast<double>(vehicle_ - source) * spacing);
+    }
+    const double predecessor = position_of(vehicle_ - 1, step, 0), distance = predecessor - answers_.at(step).front();
+    if (std::abs(predecessor - due - distance) <= most) return;
     if (doubling < kDoublings) continue;
     throw BrokenClause(
         Clause::spacing,
-        here(step) + formatted(": %.6g m behind a predecessor that drives %g m per step; due: %g + %g * %g = %.6g m",
-                               distance, speed_, other.standstill_distance, other.headway, speed_, due));
+        here(step) +
+            formatted(": %.6g m behind a predecessor that drives %g m per step; due: %.6g m, with a standstill "
+                      "distance of %g m and a headway of %g steps",
+                      distance, speed_, predecessor - due, other.standstill_distance, other.headway));
   }
 }
 

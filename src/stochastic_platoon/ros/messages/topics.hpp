@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 
 namespace platoon {
@@ -21,6 +22,11 @@ inline std::string input_topic(std::size_t vehicle) {
 inline std::string predecessor_input_topic(std::size_t follower) {
   return vehicle_name(follower) + "/predecessor_input";
 }
+
+/// The topics that an input of a follower comes from and arrives on.
+std::string sent_topic(const Input& input, std::size_t follower);
+std::string received_topic(const VehicleModel& vehicle, std::size_t follower, std::size_t input);
+
 constexpr char kProgressTopic[] = "progress";
 constexpr char kErrorStatisticsTopic[] = "error_statistics";
 constexpr char kOverviewTopic[] = "overview";
@@ -37,6 +43,7 @@ struct PlatoonTopic {
     predecessor_position,
     input,
     predecessor_input,
+    other_input,  ///< `inputs/<n>`
     error_statistics,
     configuration,
     checksum
@@ -44,6 +51,7 @@ struct PlatoonTopic {
   Kind kind;
   std::string name_space;   ///< "/platoon"
   std::size_t vehicle = 0;  ///< of the kinds before error_statistics
+  std::size_t input = 0;    ///< n of `inputs/<n>`
 };
 
 /// None if the topic does not belong to a platoon.

@@ -1,10 +1,10 @@
 #include "stochastic_platoon/ros/nodes/channel.hpp"
 
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
-#include "stochastic_platoon/ros/messages/topics.hpp"
 
 namespace platoon {
 
@@ -33,6 +33,13 @@ Channel::Channel(ros::NodeHandle platoon, const Configuration& configuration, st
   }
 }
 
+bool operator==(const Channel::Kind& one, const Channel::Kind& other) {
+  const auto all = [](const Channel::Kind& kind) {
+    return std::tie(kind.follower, kind.input, kind.source, kind.signal, kind.sent, kind.received, kind.depends_on_gap);
+  };
+  return all(one) == all(other);
+}
+
 std::vector<Channel::Kind> Channel::kinds_of(const Configuration& configuration, std::uint32_t first,
                                              std::uint32_t last) {
   std::vector<Kind> kinds;
@@ -40,7 +47,9 @@ std::vector<Channel::Kind> Channel::kinds_of(const Configuration& configuration,
     const std::vector<Input>& inputs = vehicle(configuration.model, i).inputs;
     for (std::uint32_t n = 0; n < inputs.size(); ++n) {
       const LinkModel& link = inputs[n].link;
-      kinds.push_back({i, n, inputs[n].signal, link.loses() && link.loss->by_distance});
+      kinds.push_back({i, n, static_cast<std::uint32_t>(source_of(inputs[n], i)), inputs[n].signal,
+                       sent_topic(inputs[n], i), received_topic(vehicle(configuration.model, i), i, n),
+                       link.loses() && link.loss->by_distance});
     }
   }
   return kinds;
@@ -48,15 +57,13 @@ std::vector<Channel::Kind> Channel::kinds_of(const Configuration& configuration,
 
 Channel::Wire Channel::wire(const Kind& kind) {
   const std::uint32_t i = kind.follower;
-  Wire wire{kind, platoon_.advertise<Position>(
-                      kind.carries_positions() ? predecessor_position_topic(i) : predecessor_input_topic(i),
-                      kUnboundedQueue)};
-  const auto add = [this, &wire](Role role, const std::string& topic, std::uint32_t first_loss) {
-    wire.streams.push_back({role, PositionInput(membership_, platoon_, topic, " (channel)"), first_loss});
+  Wire wire{kind, platoon_.advertise<Position>(kind.received, kUnboundedQueue)};
+  const auto add = [this, &wire](Role role, const std::string& topic, std::uint32_t vehicle) {
+    wire.streams.push_back({role, PositionInput(membership_, platoon_, topic, " (channel)"), vehicle + 1});
   };
-  add(Role::sent, kind.carries_positions() ? position_topic(i - 1) : input_topic(i - 1), i);
-  if (kind.depends_on_gap) add(Role::own, position_topic(i), i + 1);
-  if (kind.depends_on_gap && !kind.carries_positions()) add(Role::predecessor, position_topic(i - 1), i);
+  add(Role::sent, kind.sent, kind.source);
+  if (kind.depends_on_gap) add(Role::own, position_topic(i), i);
+  if (kind.depends_on_gap && kind.signal != InputSignal::position) add(Role::predecessor, position_topic(i - 1), i - 1);
   return wire;
 }
 
@@ -67,13 +74,17 @@ bool Channel::begin(const Configuration& configuration) {
     return superseded_(configuration);
   }
   run_ = run;
+  slope_ = start_slope(configuration.model);
   snapshots_->set_rate(run.rate);
   for (Wire& wire : wires_) {
     wire.link.emplace(configuration.model, run.seed, wire.kind.follower, wire.kind.input);
+    wire.difference.reset();
+    if (is_difference(wire.kind.signal))
+      wire.difference = difference(wire.kind.signal, configuration.model.sample_period);
     wire.waiting = {};
     for (Stream& stream : wire.streams) {
       stream.order.reset();
-      if (wire.link->keeps_state()) stream.order.emplace(run.schedule());
+      if (wire.link->keeps_state() || wire.difference) stream.order.emplace(run.schedule());
     }
   }
   return true;
@@ -98,7 +109,7 @@ void Channel::receive(Wire& wire, Role role, const Position::ConstPtr& message) 
   if (!wire.kind.depends_on_gap) return transmit(wire, *message, {});
   if (role == Role::sent) wire.waiting.add_sent(message);
   if (role == Role::own) wire.waiting.add_own(message);
-  if (role == Role::predecessor || (role == Role::sent && wire.kind.carries_positions()))
+  if (role == Role::predecessor || (role == Role::sent && wire.kind.signal == InputSignal::position))
     wire.waiting.add_predecessor(message);
   wire.waiting.visit(membership_.run(), [&](const Position& sent, const Position* predecessor, const Position* own) {
     transmit(wire, sent, own == nullptr ? LinkEnds{} : LinkEnds{predecessor->position.data(), own->position.data()});
@@ -109,11 +120,24 @@ void Channel::transmit(Wire& wire, const Position& message, const LinkEnds& befo
   const MessageId id = id_of(message);
   const auto received = messages_.take();
   received->header = message.header;
+  if (wire.kind.signal != InputSignal::position) received->header.frame_id = name_of(wire.kind.signal);
   set_id(message.run, id, *received);
-  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), message.position, received->position,
+  wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), sent_by(wire, message), received->position,
                       before);
-  if (wire.kind.carries_positions() && snapshots_->wanted()) snapshots_->take(wire.kind.follower - 1, *received);
+  if (wire.kind.of_predecessors_position() && snapshots_->wanted()) snapshots_->take(wire.kind.follower - 1, *received);
   publish(wire.received, received);
+}
+
+const std::vector<double>& Channel::sent_by(Wire& wire, const Position& message) {
+  if (!wire.difference) return message.position;
+  if (message.step == kInitialStep) {
+    wire.positions.start(message.position.data(), message.position.size(), slope_);
+  } else {
+    wire.positions.add(message.position.data());
+  }
+  sent_.resize(wire.positions.count());
+  (*wire.difference)(nullptr, wire.positions.all(), sent_.size(), sent_.data());
+  return sent_;
 }
 
 }  // namespace platoon

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "stochastic_platoon/math/channel/link.hpp"
+#include "stochastic_platoon/math/model/recent_positions.hpp"
 #include "stochastic_platoon/ros/messages/message_pool.hpp"
+#include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/observation/diagnostics.hpp"
 #include "stochastic_platoon/ros/observation/snapshots.hpp"
 #include "stochastic_platoon/ros/transport/position_input.hpp"
@@ -30,9 +32,9 @@ namespace platoon {
 /// Where losses depend on the gap, the message of step k waits for the positions of both ends at step k - 1, so that no
 /// vehicle waits for itself.
 ///
-/// Subscribes: `vehicle_<i-1>/position`. Publishes: `vehicle_<i>/predecessor_position`, i = first .. last; likewise
-/// `vehicle_<i-1>/input` and `vehicle_<i>/predecessor_input` of a vehicle with a radio. All
-/// stochastic_platoon/Position.
+/// Subscribes: sent_topic() of every input of followers first .. last, `vehicle_<i-1>/position` of the paper's, and
+/// where losses depend on the gap `vehicle_<i>/position`. Publishes: their received_topic(),
+/// `vehicle_<i>/predecessor_position` of the paper's. All stochastic_platoon/Position.
 class Channel {
 public:
   /// `snapshots` takes the positions that the followers receive, stream i - 1 for follower i. `superseded` is called
@@ -47,17 +49,16 @@ public:
 private:
   /// An input of a follower, whose messages a wire transmits.
   struct Kind {
-    bool carries_positions() const { return signal == InputSignal::position; }
-
     std::uint32_t follower;
     std::uint32_t input;  ///< its index in VehicleModel::inputs
+    std::uint32_t source;
     InputSignal signal;
-    bool depends_on_gap;  ///< its losses depend on it: the wire also receives the positions of both ends
+    std::string sent, received;  ///< topics
+    bool depends_on_gap;         ///< its losses depend on it: the wire also receives the positions of both ends
+
+    bool of_predecessors_position() const { return received == predecessor_position_topic(follower); }
   };
-  friend bool operator==(const Kind& one, const Kind& other) {
-    return one.follower == other.follower && one.input == other.input && one.signal == other.signal &&
-           one.depends_on_gap == other.depends_on_gap;
-  }
+  friend bool operator==(const Kind& one, const Kind& other);
 
   /// The messages to transmit, or the positions of an end of the link.
   enum class Role { sent, own, predecessor };
@@ -67,14 +68,16 @@ private:
     Role role;
     PositionInput input;
     std::uint32_t first_loss;                ///< see PositionInput::takes()
-    std::optional<MessageOrder> order = {};  ///< of a link that keeps state
+    std::optional<MessageOrder> order = {};  ///< of a wire that keeps state
   };
 
   struct Wire {
     Kind kind;
     ros::Publisher received;
     std::optional<Link> link = {};
-    std::vector<Stream> streams = {};  ///< sent; if depends_on_gap also own and, with a radio, predecessor
+    std::optional<Signal> difference = {};  ///< of the source's positions, if the input carries one
+    RecentPositions positions = {};         ///< of the source, if so
+    std::vector<Stream> streams = {};       ///< sent; if depends_on_gap also own and, unless sent, predecessor
     GapPairs<stochastic_platoon::Position::ConstPtr> waiting = {};  ///< of the sent messages and these positions
   };
 
@@ -84,6 +87,7 @@ private:
   bool takes(Stream& stream, const PositionEvent& event);
   void receive(Wire& wire, Role role, const stochastic_platoon::Position::ConstPtr& message);
   void transmit(Wire& wire, const stochastic_platoon::Position& message, const LinkEnds& before);
+  const std::vector<double>& sent_by(Wire& wire, const stochastic_platoon::Position& message);
 
   RunMembership::Join superseded_;
   RunOptions run_;
@@ -93,7 +97,9 @@ private:
   ros::NodeHandle platoon_;
   MessagePool messages_;
   std::shared_ptr<Snapshots> snapshots_;
-  std::vector<Wire> wires_;  ///< never resized after construction: the callbacks point into it
+  double slope_ = 0.0;        ///< start_slope() [m]
+  std::vector<double> sent_;  ///< differences of positions, of one message
+  std::vector<Wire> wires_;   ///< never resized after construction: the callbacks point into it
 };
 
 }  // namespace platoon

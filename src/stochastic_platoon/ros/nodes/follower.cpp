@@ -12,6 +12,15 @@ namespace platoon {
 
 using stochastic_platoon::Position;
 
+namespace {
+
+bool is_measured(const Configuration& configuration, std::size_t follower) {
+  const std::vector<std::size_t> measured = measured_followers(configuration);
+  return std::binary_search(measured.begin(), measured.end(), follower);
+}
+
+}  // namespace
+
 Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index, bool kept,
                    const MessagePool& messages, Joined joined)
     : platoon_(platoon),
@@ -24,24 +33,17 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
                     return true;
                   }),
       messages_(messages),
-      position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)),
-      input_(membership_, platoon, predecessor_position_topic(index)),
-      radio_input_(membership_, platoon, predecessor_input_topic(index)) {
-  if (kept_) advertise_input();
+      position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
+  if (kept_) {
+    advertise_input();
+    stream_of(predecessor_position_topic(index));
+    stream_of(predecessor_input_topic(index));
+  }
   if (present) membership_.join(*present);
+  for (const auto& [topic, stream] : streams_) sources_.push_back(&stream.input.counter());
   // Last: the receiving thread may call back before the constructor returns.
-  if (kept_) subscribe_to_input();
-  input_.subscribe([this](const PositionEvent& event) { receive_position(event); });
+  subscribe();
 }
-
-namespace {
-
-bool is_measured(const Configuration& configuration, std::size_t follower) {
-  const std::vector<std::size_t> measured = measured_followers(configuration);
-  return std::binary_search(measured.begin(), measured.end(), follower);
-}
-
-}  // namespace
 
 void Follower::begin(const Configuration& configuration) {
   const std::size_t followers = configuration.run.followers;
@@ -50,14 +52,21 @@ void Follower::begin(const Configuration& configuration) {
                               std::to_string(followers) + ", the number of followers"});
   }
   const BatchSchedule schedule = configuration.run.schedule();
-  run_state_.emplace(RunState{schedule, publishes_ahead(index_, followers, configuration.run.pipeline_depth()),
-                              vehicle(configuration.model, index_).radio() != nullptr,
+  const VehicleModel& own = vehicle(configuration.model, index_);
+  run_state_.emplace(RunState{schedule,
+                              publishes_ahead(index_, followers, configuration.run.pipeline_depth()),
                               sends_input(configuration.model, index_, followers) || is_measured(configuration, index_),
                               platoon_period(configuration.model.sample_period),
                               FollowerVehicle(configuration.model, configuration.run.seed, index_),
-                              MessageOrder(schedule), MessageOrder(schedule)});
+                              {},
+                              MessageSets<Message::ConstPtr>(own.inputs.size())});
   if (run_state_->sends_input && !own_input_) advertise_input();
-  if (run_state_->has_radio && !kept_) subscribe_to_input();
+  for (auto& [topic, stream] : streams_) stream.number.reset();
+  for (std::size_t n = 0; n < own.inputs.size(); ++n) {
+    run_state_->heard.push_back({MessageOrder(schedule), source_of(own.inputs[n], index_)});
+    stream_of(received_topic(own, index_, n)).number = n;
+  }
+  if (subscribes_) subscribe();
   if (joined_) joined_(configuration);
 }
 
@@ -65,37 +74,34 @@ void Follower::advertise_input() {
   own_input_ = platoon_.advertise<Position>(input_topic(index_), kUnboundedQueue);
 }
 
-void Follower::subscribe_to_input() {
-  radio_input_.subscribe([this](const PositionEvent& event) { receive_input(event); });
+Follower::Stream& Follower::stream_of(const std::string& topic) {
+  return streams_.try_emplace(topic, Stream{PositionInput(membership_, platoon_, topic)}).first->second;
 }
 
-// While nodes come up, the predecessor reaches step i - 2 at most.
-bool Follower::takes(PositionInput& input, MessageOrder& order, const PositionEvent& event) {
-  return input.takes(descriptor_of(*event.getConstMessage()), order, index_);
+void Follower::subscribe() {
+  std::vector<Stream*> added;
+  for (auto& [topic, stream] : streams_) {
+    if (!std::exchange(stream.is_subscribed, true)) added.push_back(&stream);
+  }
+  subscribes_ = true;
+  for (Stream* const stream : added)
+    stream->input.subscribe([this, stream](const PositionEvent& event) { receive(*stream, event); });
 }
 
-void Follower::receive_position(const PositionEvent& event) {
-  if (!takes(input_, run_state_->order, event)) return;
-  if (!run_state_->has_radio) return move_on(*event.getConstMessage(), nullptr);
-  run_state_->pairs.add_position(event.getConstMessage());
-  match();
+// While nodes come up, a vehicle reaches the step before its own number at most.
+void Follower::receive(Stream& stream, const PositionEvent& event) {
+  if (!stream.number) return;
+  Heard& heard = run_state_->heard[*stream.number];
+  const auto first_loss = static_cast<std::int64_t>(heard.source) + 1;
+  if (!stream.input.takes(descriptor_of(*event.getConstMessage()), heard.order, first_loss)) return;
+  run_state_->sets.add(*stream.number, event.getConstMessage());
+  run_state_->sets.visit(membership_.run(), [this](const auto& received) { move_on(received); });
 }
 
-void Follower::receive_input(const PositionEvent& event) {
-  if (!run_state_->has_radio || !takes(radio_input_, run_state_->radio_order, event)) return;
-  run_state_->pairs.add_input(event.getConstMessage());
-  match();
-}
-
-void Follower::match() {
-  run_state_->pairs.visit(membership_.run(),
-                          [this](const auto& position, const auto& input) { move_on(*position, input.get()); });
-}
-
-void Follower::move_on(const Message& received, const Message* input) {
-  const MessageId id = id_of(received);
-  const ros::Time stamp = received.header.stamp;
-  const std::size_t size = received.position.size();
+void Follower::move_on(const std::vector<Message::ConstPtr>& received) {
+  const MessageId id = id_of(*received.front());
+  const ros::Time stamp = received.front()->header.stamp;
+  const std::size_t size = received.front()->position.size();
   if (id.step == kInitialStep) {
     const Own initial = new_messages(size);
     run_state_->vehicle.start(first_noise_realization(run_state_->schedule, id), size, initial.position->position);
@@ -106,9 +112,9 @@ void Follower::move_on(const Message& received, const Message* input) {
   }
   if (run_state_->schedule.is_last_step(id.step)) return;
   const Own next = new_messages(size);
-  FollowerVehicle::Received all{received.position.data()};
-  if (input != nullptr) all.push_back(input->position.data());
-  run_state_->vehicle.step(all, next.position->position.data(), next.input ? next.input->position.data() : nullptr);
+  FollowerVehicle::Received values;
+  for (const Message::ConstPtr& input : received) values.push_back(input->position.data());
+  run_state_->vehicle.step(values, next.position->position.data(), next.input ? next.input->position.data() : nullptr);
   if (run_state_->is_ahead) {
     publish(next, {id.attempt, id.first_realization, id.step + 1}, later(stamp, run_state_->period));
   } else {

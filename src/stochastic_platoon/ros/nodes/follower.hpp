@@ -5,7 +5,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/ros/messages/message_pool.hpp"
@@ -15,11 +18,11 @@
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/delivery/message_order.hpp"
-#include "stochastic_platoon/run/delivery/message_pairs.hpp"
+#include "stochastic_platoon/run/delivery/message_sets.hpp"
 
 namespace platoon {
 
-/// Vehicle i >= 1 as a ROS component. On its predecessor's step k, as received, it publishes its own step k + 1; on
+/// Vehicle i >= 1 as a ROS component. When all its inputs of step k have arrived, it publishes its own step k + 1; on
 /// step -1 it first publishes its own step -1. In long strings some vehicles publish their own step k instead: see
 /// publishes_ahead().
 ///
@@ -27,11 +30,11 @@ namespace platoon {
 /// configuration. A kept follower, one that is to outlive launches, has the topics of a radio from the start: a link
 /// that comes up with the run's first message has lost that message.
 ///
-/// With a radio it waits for the predecessor's input of the same step, too. Its own input u(k) is part of step k + 1.
+/// Its own control input u(k) is part of step k + 1.
 ///
-/// Subscribes: `vehicle_<i>/predecessor_position`; with a radio, or if kept, `vehicle_<i>/predecessor_input`.
-/// Publishes: `vehicle_<i>/position`; to a follower with a radio `vehicle_<i>/input`, which a kept one always
-/// advertises. All stochastic_platoon/Position.
+/// Subscribes: received_topic() of all its inputs, `vehicle_<i>/predecessor_position` of the paper's; if kept, also
+/// `vehicle_<i>/predecessor_input`. Publishes: `vehicle_<i>/position`; to a vehicle that hears its control input
+/// `vehicle_<i>/input`, which a kept one always advertises. All stochastic_platoon/Position.
 class Follower {
 public:
   using Joined = std::function<void(const Configuration&)>;
@@ -41,35 +44,46 @@ public:
   Follower(ros::NodeHandle platoon, const std::optional<Configuration>& present, std::uint32_t index, bool kept,
            const MessagePool& messages, Joined joined = {});
 
-  /// Messages taken and dropped.
-  VitalSigns::Sources sources() const { return {&input_.counter(), &radio_input_.counter()}; }
+  /// Messages taken and dropped, on the topics that it has from the start.
+  const VitalSigns::Sources& sources() const { return sources_; }
 
 private:
   using Message = stochastic_platoon::Position;
 
-  /// The messages of one step to publish; `input` only to a follower with a radio.
+  /// The messages of one step to publish; `input` only if another vehicle hears it.
   struct Own {
     Message::Ptr position, input;
+  };
+
+  /// A topic of received values.
+  struct Stream {
+    PositionInput input;
+    bool is_subscribed = false;
+    std::optional<std::size_t> number = {};  ///< of the vehicle's input in the present run; none: not needed there
+  };
+
+  /// An input in one run.
+  struct Heard {
+    MessageOrder order;
+    std::size_t source;
   };
 
   /// State within one run.
   struct RunState {
     BatchSchedule schedule;
-    bool is_ahead, has_radio, sends_input;
+    bool is_ahead, sends_input;
     ros::Duration period;
     FollowerVehicle vehicle;
-    MessageOrder order, radio_order;
-    Own upcoming = {};                           ///< its own next step, unless it is ahead
-    MessagePairs<Message::ConstPtr> pairs = {};  ///< with a radio
+    std::vector<Heard> heard;
+    MessageSets<Message::ConstPtr> sets;
+    Own upcoming = {};  ///< its own next step, unless it is ahead
   };
   void begin(const Configuration& configuration);
   void advertise_input();
-  void subscribe_to_input();
-  void receive_position(const PositionEvent& event);
-  void receive_input(const PositionEvent& event);
-  bool takes(PositionInput& input, MessageOrder& order, const PositionEvent& event);
-  void match();
-  void move_on(const Message& received, const Message* input);
+  Stream& stream_of(const std::string& topic);
+  void subscribe();
+  void receive(Stream& stream, const PositionEvent& event);
+  void move_on(const std::vector<Message::ConstPtr>& received);
   Own new_messages(std::size_t size);
   void publish(const Own& own, const MessageId& id, const ros::Time& stamp);
 
@@ -81,8 +95,10 @@ private:
   std::optional<RunState> run_state_;
   MessagePool messages_;
   ros::Publisher position_;
-  std::optional<ros::Publisher> own_input_;  ///< if not kept, from the first run on in which its follower has a radio
-  PositionInput input_, radio_input_;        ///< the latter, if not kept, from the first run on in which it has a radio
+  std::optional<ros::Publisher> own_input_;  ///< if not kept, from the first run on in which another vehicle hears it
+  std::map<std::string, Stream> streams_;    ///< by topic; each remains once a run has needed it
+  bool subscribes_ = false;                  ///< to new streams at once
+  VitalSigns::Sources sources_;
 };
 
 }  // namespace platoon

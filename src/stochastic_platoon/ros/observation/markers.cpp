@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
@@ -36,6 +37,18 @@ std::vector<double> lengths_of(const Configuration& configuration) {
   return lengths;
 }
 
+// Per vehicle, those that it hears across others.
+std::vector<std::vector<std::size_t>> far_sources(const Configuration& configuration) {
+  std::vector<std::vector<std::size_t>> sources(1);
+  for (std::size_t i = 1; i <= configuration.run.followers; ++i) {
+    std::set<std::size_t> heard;
+    for (const Input& input : vehicle(configuration.model, i).inputs) heard.insert(source_of(input, i));
+    heard.erase(i - 1);
+    sources.emplace_back(heard.begin(), heard.end());
+  }
+  return sources;
+}
+
 }  // namespace
 
 Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
@@ -43,6 +56,7 @@ Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, Ru
       run_(configuration.run),
       variance_(predict(configuration).variance),
       lengths_(lengths_of(configuration)),
+      far_sources_(far_sources(configuration)),
       markers_(platoon.advertise<visualization_msgs::MarkerArray>("markers", 1)),
       frames_(platoon.advertise<tf2_msgs::TFMessage>("/tf", 10)) {
   snapshots_ = platoon.subscribe(kSnapshotTopic, 1, &Markers::receive, this);
@@ -64,7 +78,10 @@ void Markers::receive(const stochastic_platoon::Snapshot::ConstPtr& message) {
     const std::size_t cell =
         run_.averaging() == Averaging::over_time ? i - 1 : platoon::cell(i, message->step, run_.steps);
     SceneVehicle shown{x, lengths_[i], x + error, std::sqrt(variance_[cell]), is_closing(gap, error), ""};
-    if (i % every == 0 || i == run_.followers) shown.label = formatted("%zu\n%+.1f", i, error);
+    if (i % every == 0 || i == run_.followers) {
+      shown.label = formatted("%zu\n%+.1f", i, error);
+      shown.hears = far_sources_[i];
+    }
     vehicles.push_back(shown);
   }
   markers_.publish(road_scene(vehicles, position[0], time));

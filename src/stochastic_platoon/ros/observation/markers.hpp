@@ -29,9 +29,10 @@ private:
 
   RunMembership membership_;
   RunOptions run_;
-  std::vector<double> variance_;  ///< [m^2] by theory, one per cell of the run; NaN without theory
-  std::vector<double> lengths_;   ///< [m] of vehicles 0 .. N
-  double tail_ = 0.0;             ///< [m] behind the leader, smoothed
+  std::vector<double> variance_;                       ///< [m^2] by theory, one per cell of the run; NaN without theory
+  std::vector<double> lengths_;                        ///< [m] of vehicles 0 .. N
+  std::vector<std::vector<std::size_t>> far_sources_;  ///< per vehicle, those that it hears across others
+  double tail_ = 0.0;                                  ///< [m] behind the leader, smoothed
   ros::Publisher markers_;
   ros::Publisher frames_;
   ros::Subscriber snapshots_;

@@ -187,6 +187,28 @@ void add_vehicles(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   for (const double length : lengths) add_vehicles(scene, vehicles, length, id++);
 }
 
+// An arc beside the road from each vehicle that is heard across others.
+void add_links(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
+  constexpr int kPieces = 16;
+  int id = 0;
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    if (vehicles[i].hears.empty()) continue;
+    Marker& arcs = add_lines(scene, "links", 0.12, mixed(colour_of(i, vehicles.size()), rgba(1, 1, 1), 0.3F));
+    arcs.id = ++id;
+    for (const std::size_t source : vehicles[i].hears) {
+      const double from = vehicles[source].x, to = vehicles[i].x, high = 1.0 + 0.15 * std::abs(from - to);
+      const auto at = [&](int piece) {
+        const double share = static_cast<double>(piece) / kPieces;
+        return point(from + share * (to - from), 0.5 * kWidth, 1.4 + 4.0 * high * share * (1.0 - share));
+      };
+      for (int piece = 0; piece < kPieces; ++piece) {
+        arcs.points.push_back(at(piece));
+        arcs.points.push_back(at(piece + 1));
+      }
+    }
+  }
+}
+
 void add_labels(Scene& scene, const std::vector<SceneVehicle>& vehicles) {
   int id = 0;
   for (const SceneVehicle& vehicle : vehicles) {
@@ -214,6 +236,7 @@ visualization_msgs::MarkerArray road_scene(const std::vector<SceneVehicle>& vehi
   add_road(scene, last->x - kBehind, first->x + kBefore, travelled);
   add_places(scene, vehicles);
   add_vehicles(scene, vehicles);
+  add_links(scene, vehicles);
   add_labels(scene, vehicles);
   return scene.take();
 }

@@ -3,6 +3,7 @@
 #include <ros/time.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ struct SceneVehicle {
   double deviation;  ///< [m] standard deviation of its tracking error by theory; NaN: none
   bool closing;      ///< whether the gap in front of it closes
   std::string label;
+  std::vector<std::size_t> hears = {};  ///< vehicles further ahead than its predecessor, drawn as arcs from there
 };
 
 /// Whether a gap [m] is below half of its desired value, by the tracking error [m].

@@ -22,8 +22,11 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-std::function<bool(const PlatoonTopic&)> only(PlatoonTopic::Kind kind, std::size_t vehicle) {
-  return [kind, vehicle](const PlatoonTopic& topic) { return topic.kind == kind && topic.vehicle == vehicle; };
+// Selects the recorded topic of this name, whatever the namespace of the recording.
+std::function<bool(const PlatoonTopic&)> only(const std::string& name) {
+  return [sought = parse_topic("/" + name).value()](const PlatoonTopic& topic) {
+    return topic.kind == sought.kind && topic.vehicle == sought.vehicle && topic.input == sought.input;
+  };
 }
 
 // The next message; none at the end.
@@ -70,12 +73,11 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
                                 ": must be a follower of the recording, from 1 to " +
                                 std::to_string(configuration.run.followers));
   }
-  const auto add = [&](PlatoonTopic::Kind kind, const std::string& topic) {
-    sent_.push_back({kind, platoon.advertise<Position>(topic, kUnboundedQueue)});
-  };
-  add(PlatoonTopic::Kind::predecessor_position, predecessor_position_topic(vehicle));
-  if (platoon::vehicle(configuration.model, vehicle).radio() != nullptr)
-    add(PlatoonTopic::Kind::predecessor_input, predecessor_input_topic(vehicle));
+  const VehicleModel& own = platoon::vehicle(configuration.model, vehicle);
+  for (std::size_t n = 0; n < own.inputs.size(); ++n) {
+    const std::string topic = received_topic(own, vehicle, n);
+    sent_.push_back({topic, platoon.advertise<Position>(topic, kUnboundedQueue)});
+  }
   if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
   open();
   if (!expected_) throw std::runtime_error("bags: hold no position of " + name_);
@@ -86,8 +88,8 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
 
 // Opens the bag at the beginning of the batch that is due.
 void VehicleReplay::open() {
-  for (Sent& sent : sent_) sent.stream.emplace(bags_, only(sent.kind, vehicle_));
-  outputs_.emplace(bags_, only(PlatoonTopic::Kind::position, vehicle_));
+  for (Sent& sent : sent_) sent.stream.emplace(bags_, only(sent.topic));
+  outputs_.emplace(bags_, only(position_topic(vehicle_)));
   read_next();
   for (std::int64_t n = 0; n < credit_.upcoming(); ++n) read_next();
   expected_ = next_of(*outputs_);
@@ -131,8 +133,8 @@ void VehicleReplay::send_allowed() {
   while (!done_ && sent_.front().next && credit_.may_send()) {
     const MessageId id = id_of(*sent_.front().next);
     for (const Sent& sent : sent_) {
-      if (!sent.next) return end_with("the bag holds fewer inputs than positions of its predecessor");
-      if (!is_of(id, *sent.next)) return end_with("the bag holds positions and inputs of different steps");
+      if (!sent.next) return end_with("the bag holds fewer messages of one of its inputs than of another");
+      if (!is_of(id, *sent.next)) return end_with("the bag holds inputs of different steps");
     }
     credit_.send(id.step == kInitialStep, now());
     for (const Sent& sent : sent_) {

@@ -18,17 +18,16 @@
 
 namespace platoon {
 
-/// Sends the recorded predecessor positions, and to a vehicle with a radio the recorded inputs, to one live follower
-/// and compares its answers with the recorded ones, bit by bit; for an external vehicle it measures their largest
-/// distance. The messages are those of the present run.
+/// Sends the recorded values of all its inputs to one live follower and compares its answers with the recorded ones,
+/// bit by bit; for an external vehicle it measures their largest distance. The messages are those of the present run.
 ///
 /// If an answer is missing, the replay repeats its batch under a newer attempt, as the leader does (see ReplayCredit):
 /// a link may be up at one end only, and a vehicle may be killed. The replay ends with a verdict or, after `patience`
 /// without a new answer, with the reason why there is none.
 ///
 /// Subscribes: `vehicle_<i>/position` (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages
-/// that the vehicle has missed). Publishes: `vehicle_<i>/predecessor_position` and, with a radio,
-/// `vehicle_<i>/predecessor_input` (stochastic_platoon/Position).
+/// that the vehicle has missed). Publishes: received_topic() of all its inputs, `vehicle_<i>/predecessor_position` of
+/// the paper's (stochastic_platoon/Position).
 class VehicleReplay {
 public:
   /// `patience` [s] > 0. Throws std::invalid_argument if the run has no follower of this number, and std::runtime_error
@@ -70,12 +69,12 @@ private:
   ReplayCredit credit_;
   /// The recorded messages that the vehicle receives over one link.
   struct Sent {
-    PlatoonTopic::Kind kind;
+    std::string topic;
     ros::Publisher publisher;
     std::optional<BagStream> stream = {};
     stochastic_platoon::Position::Ptr next = {};  ///< next one to send; none at the end
   };
-  std::vector<Sent> sent_;  ///< the positions and, with a radio, the inputs, step by step
+  std::vector<Sent> sent_;  ///< all inputs, step by step
   std::optional<BagStream> outputs_;
   stochastic_platoon::Position::Ptr expected_;  ///< next answer; none at the end
   std::int64_t compared_ = 0;                   ///< recorded answers before the expected one

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "stochastic_platoon/run/delivery/batch_schedule.hpp"
-#include "stochastic_platoon/run/delivery/message_pairs.hpp"
+#include "stochastic_platoon/run/delivery/message_sets.hpp"
 
 namespace platoon {
 
 /// Pairs the messages that a link sends with the positions of its two ends one step earlier, for losses that depend on
-/// the gap. All three topics are added in turn, as MessagePairs requires. The message of step -1 needs no ends.
+/// the gap. All three topics are added in turn, as MessageSets requires. The message of step -1 needs no ends.
 /// Pointer: to a message with the fields run, attempt, first_realization, step and position.
 template <class Pointer>
 class GapPairs {
@@ -21,16 +21,14 @@ public:
       sent_.pop_front();
     sent_.push_back(message);
   }
-  void add_predecessor(const Pointer& message) { ends_.add_position(message); }
-  void add_own(const Pointer& message) { ends_.add_input(message); }
+  void add_predecessor(const Pointer& message) { ends_.add(0, message); }
+  void add_own(const Pointer& message) { ends_.add(1, message); }
 
   /// Calls visit(sent, predecessor, own) with every message that can be sent; the latter two are null at step -1.
   /// `run`: the present run.
   template <class Visit>
   void visit(std::uint64_t run, const Visit& visit) {
-    ends_.visit(run, [this](const Pointer& predecessor, const Pointer& own) {
-      earlier_.push_back({predecessor, own});
-    });
+    ends_.visit(run, [this](const std::vector<Pointer>& ends) { earlier_.push_back({ends[0], ends[1]}); });
     while (!sent_.empty()) {
       const Pointer sent = sent_.front();
       if (sent->step == kInitialStep) {
@@ -63,7 +61,7 @@ private:
     return sent.step < before.step + 1 ? -1 : sent.step > before.step + 1 ? 1 : 0;
   }
 
-  MessagePairs<Pointer> ends_;
+  MessageSets<Pointer> ends_{2};  ///< of the predecessor and its own
   std::deque<Pair> earlier_;
   std::deque<Pointer> sent_;
 };

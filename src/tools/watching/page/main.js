@@ -34,7 +34,7 @@ const take = {
     if (JSON.stringify(news) === JSON.stringify(known.configuration)) return;
     Object.assign(known, { configuration: news, statistics: null, curves: null, conduct: null });
     strip.replace([]);
-    road.reset(news?.vehicle_lengths);
+    road.reset(news?.vehicle_lengths, news?.heard);
     motion.begin(news);
     chosen = null;
     controls.take(news);

@@ -23,9 +23,10 @@ export class Road {
     this.reset();
   }
 
-  // lengths: of the vehicles [m]; 0 for those that are points
-  reset(lengths = this.lengths ?? []) {
+  // lengths: of the vehicles [m]; 0 for those that are points. heard: the vehicles that each follower hears; empty: its predecessor
+  reset(lengths = this.lengths ?? [], heard = this.heard ?? []) {
     this.lengths = lengths;
+    this.heard = heard;
     this.before = this.present = null;
     this.received = [];
     this.shown = [];  // the latest snapshots
@@ -144,9 +145,25 @@ export class Road {
     });
     this.lane = lane;
     this.canvas.dataset.places = JSON.stringify(this.places.map(({ x, y, long }) => [x, y, long].map(Math.round)));
+    this.drawHeard(context, chosen ?? n, n);
     this.drawReceived(context, position, lane, across, metre, n, speeds ? 0.5 : 0.62);
     this.drawScale(context, height, width, metre);
     Object.assign(this.canvas.dataset, { metre, overlaps: [...over].join(), speeds });
+  }
+
+  // An arc from each vehicle that a follower hears across others in its lane: of the chosen one, or the last.
+  drawHeard(context, follower, n) {
+    const own = this.places[follower], far = (this.heard[follower - 1] ?? []).filter(source => source < follower - 1 && this.places[source].row === own.row);
+    context.strokeStyle = followerColour(follower, n);
+    context.lineWidth = 1.5;
+    for (const source of far) {
+      const from = this.places[source].x, top = own.row * this.lane + 3;
+      context.beginPath();
+      context.moveTo(from, own.y - this.lane * 0.2);
+      context.quadraticCurveTo((from + own.x) / 2, top - (own.y - top) * 0.2, own.x, own.y - this.lane * 0.2);
+      context.stroke();
+    }
+    this.canvas.dataset.heard = far.join();
   }
 
   drawLane(context, row, lane, width, metre, position, across, n) {

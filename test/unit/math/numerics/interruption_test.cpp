@@ -21,7 +21,7 @@ TEST(Interruption, EndsAComputationOfItsThreadOnly) {
   EXPECT_EQ(checks, 3);
 }
 
-TEST(Interruption, IsThatOfTheInnermostObject) {
+TEST(Interruption, ByAnOuterObjectStaysInForce) {
   check_interruption();  // nothing outside
   int outer = 0, inner = 0;
   {
@@ -33,7 +33,7 @@ TEST(Interruption, IsThatOfTheInnermostObject) {
     check_interruption();
   }
   check_interruption();
-  EXPECT_EQ(outer, 1);
+  EXPECT_EQ(outer, 2);
   EXPECT_EQ(inner, 1);
 }
 

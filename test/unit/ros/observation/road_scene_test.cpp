@@ -72,5 +72,19 @@ TEST(RoadScene, AGapClosesBelowHalfOfItsDesiredValue) {
   EXPECT_FALSE(is_closing(30.0, 20.0));
 }
 
+TEST(RoadScene, AnArcLeadsFromEveryVehicleThatIsHeardAcrossOthers) {
+  std::vector<SceneVehicle> vehicles{{0.0, 4.5, kNone, kNone, false, ""},
+                                     {-20.0, 4.5, kNone, kNone, false, ""},
+                                     {-40.0, 4.5, kNone, kNone, false, ""}};
+  EXPECT_TRUE(named(road_scene(vehicles, 0.0, ros::Time(1.0)), "links").empty());
+  vehicles[2].hears = {0};
+  const std::vector<Marker> links = named(road_scene(vehicles, 0.0, ros::Time(1.0)), "links");
+  ASSERT_EQ(links.size(), 1u);
+  EXPECT_EQ(links.front().points.front().x, 0.0);
+  EXPECT_EQ(links.front().points.back().x, -40.0);
+  const auto higher = [](const auto& one, const auto& other) { return one.z < other.z; };
+  EXPECT_GT(std::max_element(links.front().points.begin(), links.front().points.end(), higher)->z, 2.0);
+}
+
 }  // namespace
 }  // namespace platoon
