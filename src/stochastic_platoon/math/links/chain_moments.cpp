@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -10,8 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/links/loss_recursion.hpp"
+#include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
@@ -25,12 +28,20 @@ Vector filled(const MeanVehicle::Sequence& values) {
   return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-/// One link: delay, noise and losses.
+bool hears_inputs(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& of) {
+    return std::any_of(of.inputs.begin(), of.inputs.end(),
+                       [](const Input& input) { return input.signal == InputSignal::input; });
+  });
+}
+
+/// An input of a follower up to its losses: what it carries, delay and noise.
 class Wire {
 public:
-  Wire(const Input& input, Eigen::Index count) : delay_(input.delay()), noise_(Matrix::Zero(count, count)) {
+  Wire(const Input& input, double period, Eigen::Index count)
+      : signal_(input.signal), delay_(input.delay()), period_(period), noise_(Matrix::Zero(count, count)) {
     const LinkModel& link = input.link;
-    if (link.loses()) losses_.emplace(*link.loss);
     const Vector colour = filled(filtered_impulse(link.noise_filter, static_cast<std::size_t>(count) - 1));
     const long double variance = input.noise_variance, step = link.quantisation_step;
     for (Eigen::Index a = 1; a < count; ++a) {
@@ -41,17 +52,22 @@ public:
       }
     }
     for (Eigen::Index a = 1; a < count; ++a) noise_(a, a) += step * step / 12.0L;
+    noise_ = delayed(delayed(noise_).transpose());
   }
 
-  /// The values that the vehicle uses, given those sent.
-  SequenceMoments operator()(const Vector& mean, const Matrix& covariance) const {
-    SequenceMoments arriving{delayed(mean), delayed((covariance + noise_).transpose())};
-    arriving.covariance = delayed(arriving.covariance.transpose());
-    return losses_ ? (*losses_)(arriving) : arriving;
+  /// What arrives of the positions, or of the inputs, of the source: one row per step.
+  Matrix arriving(const Matrix& source) const {
+    if (!is_difference(signal_)) return delayed(source);
+    Matrix change = source;
+    for (int order = 0; order < (signal_ == InputSignal::speed ? 1 : 2); ++order) {
+      for (Eigen::Index a = change.rows() - 1; a > 0; --a)
+        change.row(a) = (change.row(a) - change.row(a - 1)) / period_;
+      change.row(0).setZero();
+    }
+    return delayed(change);
   }
 
-  /// Covariances of the used values with others, given those of the sent ones in the same order.
-  Matrix with_others(const Matrix& sent) const { return losses_ ? losses_->on_average(delayed(sent)) : delayed(sent); }
+  const Matrix& noise() const { return noise_; }
 
 private:
   Matrix delayed(const Matrix& rows) const {
@@ -60,66 +76,197 @@ private:
     return result;
   }
 
+  InputSignal signal_;
   Eigen::Index delay_;
+  long double period_;
   Matrix noise_;  ///< covariance
-  std::optional<LossRecursion> losses_;
 };
 
-/// One follower and its links. Moments are those of its positions and, in a string with radios, its inputs, one block
-/// of rows and columns for each.
+/// Moments of the vehicles that are heard, the leader's mean apart. All means are relative to the steady motion before
+/// step -1.
+struct Ahead {
+  std::vector<std::size_t> vehicles;  ///< the last of them is the predecessor
+  SequenceMoments moments;            ///< blocks: the positions of each and, where inputs are heard, its inputs
+};
+
+/// One follower and its links. What it uses has one block for the weighted sum of the positions and, if it hears any,
+/// one for that of all other signals.
 class ChainFollower {
 public:
-  ChainFollower(const VehicleModel& vehicle, std::size_t steps, Eigen::Index blocks)
-      : model_(vehicle), count_(static_cast<Eigen::Index>(steps) + 1), blocks_(blocks), vehicle_(vehicle) {
-    for (const Input& input : vehicle.inputs) wires_.emplace_back(input, count_);
-    free_ = joined(vehicle_.free_motion(steps + 1));
+  ChainFollower(const PlatoonModel& model, std::size_t follower, Eigen::Index count, Eigen::Index blocks)
+      : model_(vehicle(model, follower)),
+        follower_(follower),
+        count_(count),
+        blocks_(blocks),
+        slope_(start_slope(model)),
+        response_(model_, follower, model.sample_period),
+        free_(joined(response_.free_motion(static_cast<std::size_t>(count)))),
+        packets_(model_.inputs.size()) {
+    const bool plain = model_.hears_predecessor_only();
+    for (std::size_t n = 0; n < model_.inputs.size(); ++n) {
+      const Input& input = model_.inputs[n];
+      const bool is_position = input.signal == InputSignal::position;
+      heard_.push_back({Wire(input, model.sample_period, count),
+                        source_of(input, follower),
+                        input.signal == InputSignal::input ? 1 : 0,
+                        is_position ? 0 : 1,
+                        plain ? 1.0L : static_cast<long double>(input.gain),
+                        is_position ? slope_ : 0.0L,
+                        {}});
+      if (input.link.loses()) heard_.back().losses.emplace(*input.link.loss);
+      packets_[model_.losses_of(n)].push_back(n);
+      kinds_ = std::max(kinds_, heard_.back().kind + 1);
+    }
+    place(model, plain);
   }
 
-  /// The moments of the own motion behind this predecessor. Appends mean and variance of every tracking error.
-  SequenceMoments behind(const SequenceMoments& predecessor, ErrorMoments& moments) const {
-    const Eigen::Index links = static_cast<Eigen::Index>(wires_.size());
-    SequenceMoments used{Vector(links * count_), Matrix(links * count_, links * count_)};
-    Matrix with_position(links * count_, count_);  // covariance of what is used with the predecessor's position
-    for (Eigen::Index l = 0; l < links; ++l) {
-      const Wire& wire = wires_[static_cast<std::size_t>(l)];
-      const SequenceMoments of_wire =
-          wire(predecessor.mean.segment(l * count_, count_), block(predecessor.covariance, l, l));
-      used.mean.segment(l * count_, count_) = of_wire.mean;
-      used.covariance.block(l * count_, l * count_, count_, count_) = of_wire.covariance;
-      with_position.middleRows(l * count_, count_) = wire.with_others(block(predecessor.covariance, l, 0));
+  struct Moved {
+    SequenceMoments own;
+    Matrix with_ahead;  ///< covariance of the own motion (rows) with the vehicles ahead
+  };
+
+  /// The own motion behind these vehicles. Appends mean and variance of every tracking error.
+  Moved behind(const Ahead& ahead, const Motion& leader, ErrorMoments& errors) const {
+    std::vector<Arriving> all;
+    for (const Heard& heard : heard_) all.push_back(arriving(heard, ahead, leader));
+    Moved used{{Vector::Zero(kinds_ * count_), Matrix::Zero(kinds_ * count_, kinds_ * count_)},
+               Matrix::Zero(kinds_ * count_, ahead.moments.mean.size())};
+    used.own.mean.head(count_).array() += offset_;
+    for (const std::vector<std::size_t>& packet : packets_) {
+      if (!packet.empty()) add_packet(packet, all, ahead, used);
     }
-    if (links > 1) {
-      const Matrix of_both =
-          wires_[0].with_others(wires_[1].with_others(block(predecessor.covariance, 1, 0)).transpose());
-      used.covariance.topRightCorner(count_, count_) = of_both;
-      used.covariance.bottomLeftCorner(count_, count_) = of_both.transpose();
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      for (std::size_t l = 0; l < j; ++l) {
+        if (model_.losses_of(j) != model_.losses_of(l)) add_pair(j, l, all, ahead, used);
+      }
     }
     const InitialPosition& initial = model_.initial_position;
-    SequenceMoments own{passed(used.mean) + static_cast<long double>(initial.mean) * free_,
-                        passed(passed(used.covariance).transpose())};
-    add_errors(predecessor, own, passed(with_position), moments);
-    own.covariance += static_cast<long double>(initial.variance) * (free_ * free_.transpose());
+    Moved own{{passed(used.own.mean) + static_cast<long double>(initial.mean) * free_,
+               passed(passed(used.own.covariance).transpose())},
+              passed(used.with_ahead)};
+    add_errors(own, ahead, leader, errors);
+    own.own.covariance += static_cast<long double>(initial.variance) * (free_ * free_.transpose());
     return own;
   }
 
 private:
-  Matrix block(const Matrix& whole, Eigen::Index row, Eigen::Index column) const {
-    return whole.block(row * count_, column * count_, count_, count_);
+  struct Heard {
+    Wire wire;
+    std::size_t source;
+    Eigen::Index block;  ///< of the source: 0 its positions, 1 its inputs
+    Eigen::Index kind;   ///< of what the vehicle uses: 0 positions, 1 all others
+    long double weight;
+    long double slope;  ///< of what is sent
+    std::optional<LossRecursion> losses;
+
+    Matrix on_average(const Matrix& columns) const { return losses ? losses->on_average(columns) : columns; }
+  };
+
+  /// What arrives of one input, before its losses.
+  struct Arriving {
+    Vector mean;
+    Matrix with_ahead;  ///< covariance with the vehicles ahead
+  };
+
+  // Where the steady motion before step -1 is not an equilibrium, a constant error drives the vehicle.
+  void place(const PlatoonModel& model, bool plain) {
+    if (plain) {
+      error_ = slope_ * static_cast<long double>(model_.position().link.delay);
+      return;
+    }
+    const long double own = start_place(model, follower_), distance = model_.standstill_distance,
+                      spacing = slope_ * model_.headway + distance;
+    offset_ = -own - spacing_in_vehicles(model_, follower_) * spacing;
+    for (const Input& input : model_.inputs) {
+      if (input.signal != InputSignal::position) continue;
+      offset_ += input.gain * (start_place(model, source_of(input, follower_)) -
+                               slope_ * static_cast<long double>(input.link.delay));
+    }
+    error_ = start_place(model, follower_ - 1) - own - spacing;
+  }
+
+  Eigen::Index place_of(std::size_t vehicle, Eigen::Index block, const Ahead& ahead) const {
+    const auto found = std::find(ahead.vehicles.begin(), ahead.vehicles.end(), vehicle) - ahead.vehicles.begin();
+    return (static_cast<Eigen::Index>(found) * blocks_ + block) * count_;
+  }
+
+  Arriving arriving(const Heard& heard, const Ahead& ahead, const Motion& leader) const {
+    if (heard.source == 0)
+      return {heard.wire.arriving(filled(heard.block == 0 ? leader.position : leader.input)),
+              Matrix::Zero(count_, ahead.moments.mean.size())};
+    const Eigen::Index at = place_of(heard.source, heard.block, ahead);
+    return {heard.wire.arriving(ahead.moments.mean.segment(at, count_)),
+            heard.wire.arriving(ahead.moments.covariance.middleRows(at, count_))};
+  }
+
+  // Covariance of what arrives of inputs j and l, without noise.
+  Matrix covariance(std::size_t j, std::size_t l, const std::vector<Arriving>& all, const Ahead& ahead) const {
+    if (heard_[j].source == 0 || heard_[l].source == 0) return Matrix::Zero(count_, count_);
+    const Eigen::Index at = place_of(heard_[l].source, heard_[l].block, ahead);
+    return heard_[l].wire.arriving(all[j].with_ahead.middleCols(at, count_).transpose()).transpose();
+  }
+
+  Eigen::Ref<Matrix, 0, Eigen::OuterStride<>> of_kinds(Matrix& whole, std::size_t j, std::size_t l) const {
+    return whole.block(heard_[j].kind * count_, heard_[l].kind * count_, count_, count_);
+  }
+
+  void add_packet(const std::vector<std::size_t>& packet, const std::vector<Arriving>& all, const Ahead& ahead,
+                  Moved& used) const {
+    const auto size = static_cast<Eigen::Index>(packet.size()) * count_;
+    SequenceMoments moments{Vector(size), Matrix(size, size)};
+    std::vector<long double> slopes;
+    for (Eigen::Index a = 0; a * count_ < size; ++a) {
+      const std::size_t j = packet[static_cast<std::size_t>(a)];
+      slopes.push_back(heard_[j].slope);
+      moments.mean.segment(a * count_, count_) = all[j].mean;
+      for (Eigen::Index b = 0; b * count_ < size; ++b) {
+        const std::size_t l = packet[static_cast<std::size_t>(b)];
+        moments.covariance.block(a * count_, b * count_, count_, count_) = covariance(j, l, all, ahead);
+      }
+      moments.covariance.block(a * count_, a * count_, count_, count_) += heard_[j].wire.noise();
+    }
+    if (const auto& losses = heard_[packet.front()].losses) moments = (*losses)(moments, slopes);
+    for (Eigen::Index a = 0; a * count_ < size; ++a) {
+      const std::size_t j = packet[static_cast<std::size_t>(a)];
+      const Heard& heard = heard_[j];
+      const Eigen::Index at = heard.kind * count_;
+      used.own.mean.segment(at, count_) += heard.weight * moments.mean.segment(a * count_, count_);
+      used.with_ahead.middleRows(at, count_) += heard.weight * heard.on_average(all[j].with_ahead);
+      for (Eigen::Index b = 0; b * count_ < size; ++b) {
+        const std::size_t l = packet[static_cast<std::size_t>(b)];
+        of_kinds(used.own.covariance, j, l) +=
+            heard.weight * heard_[l].weight * moments.covariance.block(a * count_, b * count_, count_, count_);
+      }
+    }
+  }
+
+  // Two inputs whose losses are independent of each other.
+  void add_pair(std::size_t j, std::size_t l, const std::vector<Arriving>& all, const Ahead& ahead, Moved& used) const {
+    const Heard &one = heard_[j], &other = heard_[l];
+    const Matrix both = one.on_average(other.on_average(covariance(j, l, all, ahead).transpose()).transpose()) *
+                        (one.weight * other.weight);
+    of_kinds(used.own.covariance, j, l) += both;
+    of_kinds(used.own.covariance, l, j) += both.transpose();
   }
 
   // `own`: without the initial position's part of the covariance, which is a square in the error: until noise arrives
-  // it may be all of the variance, and near 0. `shared`: the own motion (row) with the predecessor's position.
-  void add_errors(const SequenceMoments& predecessor, const SequenceMoments& own, const Matrix& shared,
-                  ErrorMoments& moments) const {
+  // it may be all of the variance, and near 0.
+  void add_errors(const Moved& own, const Ahead& ahead, const Motion& leader, ErrorMoments& errors) const {
     const long double h = model_.headway, g = 1.0L + h, initial = model_.initial_position.variance;
+    const bool first = follower_ == 1;
+    const Eigen::Index at = first ? 0 : place_of(follower_ - 1, 0, ahead);
+    const Vector mean = first ? filled(leader.position) : Vector(ahead.moments.mean.segment(at, count_));
+    const Vector& own_mean = own.own.mean;
+    const Matrix& covariance = own.own.covariance;
     for (Eigen::Index a = 1; a < count_; ++a) {
-      moments.mean.push_back(
-          static_cast<double>(predecessor.mean(a) - own.mean(a) - h * (own.mean(a) - own.mean(a - 1))));
-      const long double variance = predecessor.covariance(a, a) + g * g * own.covariance(a, a) +
-                                   h * h * own.covariance(a - 1, a - 1) - 2.0L * g * h * own.covariance(a, a - 1) -
-                                   2.0L * g * shared(a, a) + 2.0L * h * shared(a - 1, a);
+      errors.mean.push_back(static_cast<double>(error_ + mean(a) - own_mean(a) - h * (own_mean(a) - own_mean(a - 1))));
+      long double variance =
+          g * g * covariance(a, a) + h * h * covariance(a - 1, a - 1) - 2.0L * g * h * covariance(a, a - 1);
+      if (!first)
+        variance += ahead.moments.covariance(at + a, at + a) - 2.0L * g * own.with_ahead(a, at + a) +
+                    2.0L * h * own.with_ahead(a - 1, at + a);
       const long double free = free_(a) + h * (free_(a) - free_(a - 1));
-      moments.variance.push_back(static_cast<double>(std::max(variance, 0.0L) + initial * free * free));
+      errors.variance.push_back(static_cast<double>(std::max(variance, 0.0L) + initial * free * free));
     }
   }
 
@@ -137,46 +284,82 @@ private:
       check_interruption();
       const Vector column = columns.col(c);
       const long double* const data = column.data();
-      Motion received{{data, data + count_}, {}};
-      if (wires_.size() > 1) received.input.assign(data + count_, data + 2 * count_);
-      result.col(c) = joined(vehicle_(received));
+      Motion used{{data, data + count_}, {}};
+      if (kinds_ > 1) used.input.assign(data + count_, data + 2 * count_);
+      result.col(c) = joined(response_(used));
     }
     return result;
   }
 
   VehicleModel model_;
-  Eigen::Index count_, blocks_;
-  VehicleResponse vehicle_;
-  std::vector<Wire> wires_;
+  std::size_t follower_;
+  Eigen::Index count_, blocks_, kinds_ = 1;
+  long double slope_;  ///< start_slope()
+  VehicleResponse response_;
   Vector free_;
+  std::vector<Heard> heard_;
+  std::vector<std::vector<std::size_t>> packets_;  ///< inputs that are lost together, at the first of them
+  long double offset_ = 0.0L;                      ///< of what it uses, before step -1
+  long double error_ = 0.0L;                       ///< tracking error of the steady motion before step -1
 };
+
+// The vehicles ahead of the next follower: at most `most` of them.
+Ahead moved_on(const Ahead& ahead, std::size_t follower, const ChainFollower::Moved& own, std::size_t most) {
+  const Eigen::Index block = own.own.mean.size(), all = ahead.moments.mean.size(),
+                     kept = ahead.vehicles.size() < most ? all : all - block;
+  Ahead next{ahead.vehicles, {Vector(kept + block), Matrix(kept + block, kept + block)}};
+  if (kept < all) next.vehicles.erase(next.vehicles.begin());
+  next.vehicles.push_back(follower);
+  next.moments.mean << ahead.moments.mean.tail(kept), own.own.mean;
+  next.moments.covariance.topLeftCorner(kept, kept) = ahead.moments.covariance.bottomRightCorner(kept, kept);
+  next.moments.covariance.bottomLeftCorner(block, kept) = own.with_ahead.rightCols(kept);
+  next.moments.covariance.topRightCorner(kept, block) = own.with_ahead.rightCols(kept).transpose();
+  next.moments.covariance.bottomRightCorner(block, block) = own.own.covariance;
+  return next;
+}
 
 }  // namespace
 
 ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
-  const auto count = static_cast<std::size_t>(steps);
-  const Eigen::Index blocks = has_radios(model) ? 2 : 1, size = blocks * (static_cast<Eigen::Index>(count) + 1);
-  std::vector<ChainFollower> vehicles;
+  const auto count = static_cast<Eigen::Index>(steps) + 1;
+  const bool plain = hears_predecessors_only(model);
   for (const VehicleModel& vehicle : pattern(model)) {
-    unit_equilibrium(vehicle.loop.realization);
-    if (vehicles.size() == followers) break;
-    vehicles.emplace_back(vehicle, count, blocks);
+    if (plain) unit_equilibrium(vehicle.loop.realization);
   }
-  const Motion leader = leader_motion(model, count);
-  SequenceMoments predecessor{Vector::Zero(size), Matrix::Zero(size, size)};
-  predecessor.mean.head(size / blocks) = filled(leader.position);
-  if (!leader.input.empty()) predecessor.mean.tail(size / blocks) = filled(leader.input);
-  ErrorMoments moments{steps, followers, {}, {}};
-  for (std::size_t i = 0; i < followers; ++i) predecessor = vehicles[i % vehicles.size()].behind(predecessor, moments);
-  return moments;
+  Motion leader =
+      leader_motion(start_slope(model) != 0.0 ? in_moving_frame(model) : model, static_cast<std::size_t>(steps));
+  leader.input.resize(leader.position.size(), 0.0L);
+  const Eigen::Index blocks = hears_inputs(model) ? 2 : 1;
+  Ahead ahead{{}, {Vector(0), Matrix(0, 0)}};
+  ErrorMoments errors{steps, followers, {}, {}};
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const ChainFollower::Moved own = ChainFollower(model, i, count, blocks).behind(ahead, leader, errors);
+    ahead = moved_on(ahead, i, own, farthest_ahead(model));
+  }
+  return errors;
+}
+
+bool needs_chain_moments(const PlatoonModel& model) {
+  if (has_bursts(model)) return true;
+  const bool plain = hears_predecessors_only(model);
+  if (plain && start_slope(model) == 0.0) return false;
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  return std::any_of(vehicles.begin(), vehicles.end(), [plain](const VehicleModel& of) {
+    return std::any_of(of.inputs.begin(), of.inputs.end(), [plain](const Input& input) {
+      return input.link.loses() && (!plain || input.signal == InputSignal::position);
+    });
+  });
 }
 
 std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers, double share_of_time) {
   constexpr double kMostCells = 1e8, kMostSteps = 2000.0;  // followers x steps^2, and steps
+  std::size_t most_inputs = 1;
+  for (const VehicleModel& of : pattern(model)) most_inputs = std::max(most_inputs, of.inputs.size());
+  const std::size_t blocks = farthest_ahead(model) * (hears_inputs(model) ? 2 : 1);
   const double most = std::min(kMostSteps, std::sqrt(share_of_time * kMostCells / static_cast<double>(followers)));
-  return static_cast<std::int64_t>(has_radios(model) ? most / 2.0 : most);
+  return static_cast<std::int64_t>(most / static_cast<double>(std::max(most_inputs, blocks)));
 }
 
 }  // namespace platoon

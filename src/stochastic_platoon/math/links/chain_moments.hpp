@@ -5,11 +5,12 @@
 namespace platoon {
 
 /// Exact mean and variance of every tracking error of a platoon over links of any losses, homogeneous or patterned,
-/// from the first step on.
+/// whoever hears whom, from the first step on.
 ///
-/// The covariance of the positions and, in a string with radios, of the inputs passes from vehicle to vehicle. With s =
-/// m + s~ the values that arrive on a link, S their covariance including the noise of the link, x the registers
-/// relative to m (see LossKernel), u(k) = m(k) - c_1 m(k-1) - ..., e = (1, 0, ..., 0)' and r~ = e' x,
+/// The covariance of the positions and, where a vehicle hears them, of the control inputs of the vehicles that others
+/// behind still hear passes from vehicle to vehicle. With s = m + s~ the values that arrive on a link, S their
+/// covariance including the noise of the link, x the registers relative to m (see LossKernel), u(k) = m(k) - c_1 m(k-1)
+/// - ..., e = (1, 0, ..., 0)' and r~ = e' x,
 ///
 ///     mu_c(k) = A_c sum_a Pi_ac mu_a(k-1) - (0 or pi_c u(k)) e,
 ///     X_c(k, l) = A_c sum_a Pi_ac X_a(k-1, l) + (pi_c S(k, l) or 0) e  for all l,
@@ -22,16 +23,21 @@ namespace platoon {
 ///
 ///     Y_c(l) = A_c sum_a Pi_ac Y_a(l-1) + e (E[s~(l) 1{theta(l) = c} r~(k)] or -u(l) E[1{theta(l) = c} r~(k)]),
 ///
-/// both expectations by the powers of Pi. Their sum over c gives the covariance of the values that the vehicle uses. As
-/// the losses of a link depend on nothing else, the covariance of these with any other value is that of the sent ones,
-/// passed by the link on average. The closed loop filters them all, and the initial position adds its own.
+/// both expectations by the powers of Pi. Their sum over c gives the covariance of the values that the vehicle uses; of
+/// two values that are lost together, S, Q and Y are those of one with the other. As the losses of a link depend on
+/// nothing else, the covariance of these with any other value is that of the sent ones, passed by the link on average.
+/// The closed loop filters them all, and the initial position adds its own.
 ///
-/// O(followers steps^2) time and O(steps^2) memory. 1e-11 relative; for a mean relative to the positions. Throws
-/// std::invalid_argument unless followers >= 1 and steps >= 1, and if a loop has no equilibrium.
+/// O(followers (inputs steps)^2) time and O((inputs steps)^2) memory. 1e-11 relative; for a mean relative to the
+/// positions. Throws std::invalid_argument unless followers >= 1 and steps >= 1, and if a loop has no equilibrium.
 ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
+/// Whether the moments of every step take chain_error_moments(): losses with memory, any losses in a string that hears
+/// more than predecessors, or of positions in a platoon that starts in steady motion.
+bool needs_chain_moments(const PlatoonModel& model);
+
 /// Most steps of chain_error_moments() for this number of followers: half a minute or this share of it, and some
-/// matrices of 2000 x 2000 numbers. Half as many in a string with radios.
+/// matrices of 2000 x 2000 numbers; the more a vehicle hears, the fewer.
 std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers, double share_of_time = 1.0);
 
 }  // namespace platoon

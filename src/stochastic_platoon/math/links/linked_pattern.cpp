@@ -40,9 +40,6 @@ bool has_bursts(const PlatoonModel& model) {
 std::optional<std::string> no_theory(const PlatoonModel& model) {
   if (has_limits(model)) return "vehicles have limits";
   if (depends_on_gap(model)) return "losses depend on the gap";
-  const auto moves = [](const VehicleType& type) { return type.vehicle.position().link.loses(); };
-  if (start_slope(model) != 0.0 && std::any_of(model.types.begin(), model.types.end(), moves))
-    return "the platoon starts in steady motion (start: steady) over links of positions that lose";
   const LossModel* recorded = nullptr;
   any_link(model, [&](const LinkModel& link) {
     if (link.loses() && link.loss->trace) recorded = &*link.loss;

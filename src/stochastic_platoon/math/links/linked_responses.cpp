@@ -76,13 +76,16 @@ MeanVehicle::Sequence accelerations(const MeanVehicle::Sequence& positions, long
 Motion leader_motion(const PlatoonModel& model, std::size_t steps) {
   Motion received;
   MeanVehicle::Sequence& positions = received.position;
-  if (!model.recorded_leader.empty()) {
-    if (model.recorded_leader.size() < steps + 1) {
+  if (moves_leader(model)) {
+    if (model.recorded_leader.empty()) {
+      positions = virtual_leader(model, steps);
+    } else if (model.recorded_leader.size() < steps + 1) {
       throw std::invalid_argument("recorded leader: " + std::to_string(model.recorded_leader.size()) +
                                   " positions: must be at least steps + 1 = " + std::to_string(steps + 1));
+    } else {
+      positions.assign(model.recorded_leader.begin(),
+                       model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps + 1));
     }
-    positions.assign(model.recorded_leader.begin(),
-                     model.recorded_leader.begin() + static_cast<std::ptrdiff_t>(steps + 1));
     if (has_radios(model)) received.input = accelerations(positions, start_slope(model), model.sample_period);
     return received;
   }

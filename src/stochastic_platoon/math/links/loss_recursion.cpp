@@ -7,16 +7,6 @@
 
 namespace platoon {
 
-namespace {
-
-void add_driven(const ExtendedVector& drive, long double squared, ExtendedMatrix& square) {
-  square.col(0) += drive;
-  square.row(0) += drive.transpose();
-  square(0, 0) += squared;
-}
-
-}  // namespace
-
 LossRecursion::LossRecursion(const LossModel& loss) {
   const LossChain chain(loss);
   n_ = chain.registers();
@@ -28,45 +18,73 @@ LossRecursion::LossRecursion(const LossModel& loss) {
   before_.resize(static_cast<std::size_t>(modes_ * n_));
 }
 
-SequenceMoments LossRecursion::operator()(const SequenceMoments& arriving) const {
-  const Eigen::Index count = arriving.mean.size();
-  const Vector innovation = innovations(arriving.mean);
+SequenceMoments LossRecursion::operator()(const SequenceMoments& arriving,
+                                          const std::vector<long double>& slopes) const {
+  const auto sequences = static_cast<Eigen::Index>(slopes.size());
+  const Eigen::Index count = arriving.mean.size() / sequences;
   const std::vector<Matrix> later_modes = powers(count);
-  Matrix mean = Matrix::Zero(modes_ * n_, 1);
-  Vector received_mean = Vector::Zero(count);
-  Matrix cross = started(arriving.covariance.row(0));
-  std::vector<Matrix> squares;
+  std::vector<Vector> innovation;
+  Vector deviation(arriving.mean.size());
+  for (Eigen::Index a = 0; a < sequences; ++a) {
+    innovation.push_back(innovations(arriving.mean.segment(a * count, count), slopes[static_cast<std::size_t>(a)]));
+    deviation.segment(a * count, count) = mean_of(innovation.back());
+  }
+  SequenceMoments received{arriving.mean + deviation, Matrix(arriving.mean.size(), arriving.mean.size())};
+  for (Eigen::Index a = 0; a < sequences; ++a) {
+    for (Eigen::Index b = 0; b < sequences; ++b)
+      add_products(innovation[static_cast<std::size_t>(a)], innovation[static_cast<std::size_t>(b)],
+                   arriving.covariance.block(a * count, b * count, count, count), later_modes,
+                   received.covariance.block(a * count, b * count, count, count),
+                   received.covariance.block(b * count, a * count, count, count));
+  }
+  received.covariance -= (deviation * deviation.transpose()).eval();
+  return received;
+}
+
+// E r~(l) r~'(k) and its transpose for l >= k, where r~ is of the sequence of innovation `one` and r~' of `other`.
+// `covariance`: of the arriving values of the one (rows) with those of the other.
+void LossRecursion::add_products(const Vector& one, const Vector& other, const Matrix& covariance,
+                                 const std::vector<Matrix>& later_modes, Block second, Block mirrored) const {
+  const bool same = &one == &other;
+  Matrix mean_of_one = Matrix::Zero(modes_ * n_, 1), mean_of_other = mean_of_one;
+  Matrix cross_of_one = started(covariance.row(0));  // with the arriving values of the other
+  Matrix cross_of_other = same ? Matrix() : started(covariance.col(0).transpose());
+  const Matrix &mean = same ? mean_of_one : mean_of_other, &cross = same ? cross_of_one : cross_of_other;
+  std::vector<Matrix> products;
   for (Eigen::Index c = 0; c < modes_; ++c)
-    squares.push_back(Matrix::Constant(n_, n_, stationary_(c) * arriving.covariance(0, 0)));
-  SequenceMoments received{arriving.mean, Matrix(count, count)};
-  for (Eigen::Index k = 0; k < count; ++k) {
+    products.push_back(Matrix::Constant(n_, n_, stationary_(c) * covariance(0, 0)));
+  for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
     check_interruption();
     if (k > 0) {
-      advance(cross, k);
-      advance(mean, 0);
-      advance_squares(squares);
+      advance(cross_of_one, k);
+      advance(mean_of_one, 0);
+      if (!same) advance(cross_of_other, k);
+      if (!same) advance(mean_of_other, 0);
+      advance_products(products);
       for (Eigen::Index c = 0; c < modes_; ++c) {
-        Matrix& square = squares[static_cast<std::size_t>(c)];
+        Matrix& product = products[static_cast<std::size_t>(c)];
         const Eigen::Index first = c * n_;
+        const long double share = stationary_(c);
         if (c < arrived_) {
-          add_driven(cross.col(k).segment(first, n_), stationary_(c) * arriving.covariance(k, k), square);
-          cross.row(first) += stationary_(c) * arriving.covariance.row(k);
+          product.col(0) += cross_of_one.col(k).segment(first, n_);
+          product.row(0) += cross.col(k).segment(first, n_).transpose();
+          product(0, 0) += share * covariance(k, k);
+          cross_of_one.row(first) += share * covariance.row(k);
+          if (!same) cross_of_other.row(first) += share * covariance.col(k).transpose();
         } else {
-          add_driven(-innovation(k) * mean.col(0).segment(first, n_), stationary_(c) * innovation(k) * innovation(k),
-                     square);
-          mean(first) -= stationary_(c) * innovation(k);
+          product.col(0) -= other(k) * mean_of_one.col(0).segment(first, n_);
+          product.row(0) -= one(k) * mean.col(0).segment(first, n_).transpose();
+          product(0, 0) += share * one(k) * other(k);
+          mean_of_one(first) -= share * one(k);
+          if (!same) mean_of_other(first) -= share * other(k);
         }
       }
     }
-    received_mean(k) = received_of(mean.col(0));
     Matrix later(modes_ * n_, 1);
     for (Eigen::Index c = 0; c < modes_; ++c)
-      later.middleRows(c * n_, n_) = squares[static_cast<std::size_t>(c)].col(0);
-    add_later(k, later, mean, cross, innovation, later_modes, received.covariance);
+      later.middleRows(c * n_, n_) = products[static_cast<std::size_t>(c)].col(0);
+    add_later(k, later, mean, cross, one, later_modes, second, mirrored);
   }
-  received.covariance -= (received_mean * received_mean.transpose()).eval();
-  received.mean += received_mean;
-  return received;
 }
 
 ExtendedMatrix LossRecursion::on_average(const Matrix& columns) const {
@@ -82,13 +100,27 @@ ExtendedMatrix LossRecursion::on_average(const Matrix& columns) const {
   return passed;
 }
 
-// u(k); positions before step -1 are that of step -1.
-ExtendedVector LossRecursion::innovations(const Vector& mean) const {
+// u(k); values before step -1 are that of step -1, in the frame that moves with the slope.
+ExtendedVector LossRecursion::innovations(const Eigen::Ref<const Vector>& mean, long double slope) const {
   Vector innovation = mean;
-  for (Eigen::Index k = 0; k < mean.size(); ++k) {
-    for (Eigen::Index j = 0; j < n_; ++j) innovation(k) -= predictor_(j) * mean(std::max<Eigen::Index>(k - 1 - j, 0));
+  for (Eigen::Index j = 0; j < n_; ++j) {
+    for (Eigen::Index k = 0; k < mean.size(); ++k)
+      innovation(k) -=
+          predictor_(j) * (mean(std::max<Eigen::Index>(k - 1 - j, 0)) - slope * static_cast<long double>(j + 1));
   }
   return innovation;
+}
+
+// E r~(k).
+ExtendedVector LossRecursion::mean_of(const Vector& innovation) const {
+  Matrix state = Matrix::Zero(modes_ * n_, 1);
+  Vector mean = Vector::Zero(innovation.size());
+  for (Eigen::Index k = 1; k < innovation.size(); ++k) {
+    advance(state, 0);
+    for (Eigen::Index c = arrived_; c < modes_; ++c) state(c * n_) -= stationary_(c) * innovation(k);
+    mean(k) = received_of(state.col(0));
+  }
+  return mean;
 }
 
 // The powers of Pi, column by column: the modes l steps later.
@@ -132,39 +164,39 @@ void LossRecursion::advance(Matrix& states, Eigen::Index from) const {
 }
 
 // A_c sum_a Pi_ac Q_a A_c' for all modes.
-void LossRecursion::advance_squares(std::vector<Matrix>& squares) const {
-  const std::vector<Matrix> before = squares;
+void LossRecursion::advance_products(std::vector<Matrix>& products) const {
+  const std::vector<Matrix> before = products;
   const Eigen::Index kept = n_ - 1;
   for (Eigen::Index c = 0; c < modes_; ++c) {
-    Matrix moved = Matrix::Zero(n_, n_), &square = squares[static_cast<std::size_t>(c)];
+    Matrix moved = Matrix::Zero(n_, n_), &product = products[static_cast<std::size_t>(c)];
     for (Eigen::Index a = 0; a < modes_; ++a)
       moved.noalias() += transition_(a, c) * before[static_cast<std::size_t>(a)];
-    square.setZero();
-    square.bottomRightCorner(kept, kept) = moved.topLeftCorner(kept, kept);
+    product.setZero();
+    product.bottomRightCorner(kept, kept) = moved.topLeftCorner(kept, kept);
     if (c < arrived_) continue;
     const Vector predicted = moved * predictor_;
-    square.col(0).tail(kept) = predicted.head(kept);
-    square.row(0).tail(kept) = predicted.head(kept).transpose();
-    square(0, 0) = predictor_.dot(predicted);
+    product.col(0).tail(kept) = predicted.head(kept);
+    product.row(0).tail(kept) = (moved.transpose() * predictor_).head(kept).transpose();
+    product(0, 0) = predictor_.dot(predicted);
   }
 }
 
-// Row and column k of E r~(l) r~(k), l >= k. `state`: the Y of step k.
+// `state`: the Y of step k; `mean` and `cross`: of the other sequence; `innovation`: of the one.
 void LossRecursion::add_later(Eigen::Index k, Matrix state, const Matrix& mean, const Matrix& cross,
-                              const Vector& innovation, const std::vector<Matrix>& later_modes, Matrix& second) const {
-  second(k, k) = received_of(state.col(0));
+                              const Vector& innovation, const std::vector<Matrix>& later_modes, Block second,
+                              Block mirrored) const {
+  second(k, k) = mirrored(k, k) = received_of(state.col(0));
   for (Eigen::Index l = k + 1; l < second.rows(); ++l) {
     check_interruption();
     advance(state, 0);
     const Matrix& modes = later_modes[static_cast<std::size_t>(l - k)];
     for (Eigen::Index c = 0; c < modes_; ++c) {
-      long double expected = 0.0L;  // E[s~(l) or 1, mode c at l, r~(k)]
+      long double expected = 0.0L;  // E[s~(l) or 1, mode c at l, r~'(k)]
       for (Eigen::Index a = 0; a < modes_; ++a)
         expected += modes(a, c) * (c < arrived_ ? cross(a * n_, l) : mean(a * n_, 0));
       state(c * n_) += c < arrived_ ? expected : -innovation(l) * expected;
     }
-    second(l, k) = received_of(state.col(0));
-    second(k, l) = second(l, k);
+    second(l, k) = mirrored(k, l) = received_of(state.col(0));
   }
 }
 

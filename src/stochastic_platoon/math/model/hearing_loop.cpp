@@ -51,7 +51,7 @@ HearingLoop::Value HearingLoop::at(const CirclePoint& point) const {
   return {rounded(controller * plant / closed), rounded(plant * of_controller / closed), rounded(open / plant)};
 }
 
-double HearingLoop::spectral_radius() const {
+std::vector<Complex> HearingLoop::poles() const {
   // The denominator of y_i times z^2, with as many more powers of z as make it a polynomial.
   const std::ptrdiff_t q = controller_delay_, least = std::min<std::ptrdiff_t>({plant_delay_ + q + 1, 1, q});
   const auto times_z = [least](const ExactPolynomial& p, std::ptrdiff_t count) {
@@ -64,7 +64,27 @@ double HearingLoop::spectral_radius() const {
   sum = add(sum, times_z(multiply(forward, {Exact(1), Exact(1) + Exact(spacing_)}), 1));
   sum = add(sum, times_z(multiply(of_own, {Exact(0), Exact(speed_)}), q + 1));
   sum = add(sum, times_z(multiply(of_own, {Exact(0), Exact(0), Exact(-acceleration_)}), q));
-  return platoon::spectral_radius(zeros(sum));
+  return zeros(sum);
+}
+
+double HearingLoop::spectral_radius() const {
+  return platoon::spectral_radius(poles());
+}
+
+HearingLoop::Open HearingLoop::opened() const {
+  const ExactPolynomial of_position = multiply(controller_numerator_,
+                                               times_power_of_z({Exact(1), Exact(1) + Exact(spacing_)}, 1)),
+                        of_own = add(times_power_of_z({Exact(0), Exact(speed_)}, 1),
+                                     {Exact(0), Exact(0), Exact(-acceleration_)});
+  // 1/z^2 and the longer of the two delays are taken out.
+  const std::ptrdiff_t q = controller_delay_, taken = std::max<std::ptrdiff_t>(q, 0);
+  Open open{multiply(plant_numerator_, add(times_power_of_z(of_position, taken - q),
+                                           times_power_of_z(multiply(controller_denominator_, of_own), taken))),
+            multiply(plant_denominator_, controller_denominator_), plant_delay_ + taken + 2};
+  if (headway_ == 0.0) return open;
+  open.denominator = multiply(open.denominator, {Exact(1), Exact(1) + Exact(headway_)});
+  --open.delay;
+  return open;
 }
 
 std::complex<double> sent_value(const Input& input, const CirclePoint& point, std::complex<double> of_source,

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
+#include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
@@ -29,8 +31,17 @@ public:
   };
   Value at(const CirclePoint& point) const;
 
-  /// The largest modulus of the closed loop's poles, from its characteristic polynomial in a hundred digits.
+  /// The closed loop's poles, from its characteristic polynomial in a hundred digits, and their largest modulus.
+  std::vector<std::complex<long double>> poles() const;
   double spectral_radius() const;
+
+  /// L = numerator / denominator z^-delay by powers of s = z - 1: the loop opened at the plant's input, (G K W + G F_v
+  /// d - G F_a d^2) / H.
+  struct Open {
+    ExactPolynomial numerator, denominator;
+    std::ptrdiff_t delay;
+  };
+  Open opened() const;
 
 private:
   ExactPolynomial plant_numerator_, plant_denominator_, controller_numerator_, controller_denominator_;

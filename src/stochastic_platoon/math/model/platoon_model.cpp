@@ -63,6 +63,19 @@ const Input& VehicleModel::position() const {
   return inputs.front();
 }
 
+std::vector<std::size_t> VehicleModel::varied_inputs() const {
+  std::size_t last = inputs.size() - 1;
+  if (!hears_predecessor_only()) {
+    while (last > 0 && !inputs[last].link.loss) --last;
+    if (!inputs[last].link.loss) last = inputs.size() - 1;
+  }
+  std::vector<std::size_t> found;
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
+    if (losses_of(n) == losses_of(last)) found.push_back(n);
+  }
+  return found;
+}
+
 std::size_t VehicleModel::losses_of(std::size_t n) const {
   for (std::size_t j = 0; j < n && !inputs[n].packet.empty(); ++j) {
     if (inputs[j].packet == inputs[n].packet) return j;
@@ -110,12 +123,13 @@ PlatoonModel with_loss(PlatoonModel model, double probability) {
     throw std::invalid_argument("channel/loss: absent: must be given to vary its probability");
   for (VehicleType& type : model.types) {
     if (!type.inherited.loss_probability) continue;
-    LossModel& loss = *type.vehicle.varied_link().loss;
-    loss.probability = probability;
-    loss.mean_burst.reset();
-    loss.trace.reset();
-    loss.by_distance.reset();
-    loss.markov.reset();
+    type.vehicle.vary([probability](LinkModel& link) {
+      link.loss->probability = probability;
+      link.loss->mean_burst.reset();
+      link.loss->trace.reset();
+      link.loss->by_distance.reset();
+      link.loss->markov.reset();
+    });
   }
   return model;
 }
@@ -124,7 +138,8 @@ PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst) {
   if (!model.default_vehicle().varied_link().loss)
     throw std::invalid_argument("channel/loss: absent: must be given to vary its mean burst");
   for (VehicleType& type : model.types) {
-    if (type.inherited.mean_burst) type.vehicle.varied_link().loss->mean_burst = mean_burst;
+    if (type.inherited.mean_burst)
+      type.vehicle.vary([mean_burst](LinkModel& link) { link.loss->mean_burst = mean_burst; });
   }
   return model;
 }

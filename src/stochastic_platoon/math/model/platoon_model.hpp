@@ -80,9 +80,17 @@ struct VehicleModel {
   /// The input whose losses input n shares: the first of its packet, else itself.
   std::size_t losses_of(std::size_t n) const;
 
-  /// The link whose losses with_loss() varies: the radio's if there is one, else that of positions.
-  const LinkModel& varied_link() const { return inputs.back().link; }
-  LinkModel& varied_link() { return inputs.back().link; }
+  /// The inputs whose losses with_loss() varies, which are lost together: the radio if there is one, else the position;
+  /// of a vehicle that hears others than its predecessor the last input that loses, else the last, with those of its
+  /// packet.
+  std::vector<std::size_t> varied_inputs() const;
+  const LinkModel& varied_link() const { return inputs[varied_inputs().front()].link; }
+
+  /// Calls change(link) with the link of each of them.
+  template <class Change>
+  void vary(const Change& change) {
+    for (const std::size_t n : varied_inputs()) change(inputs[n].link);
+  }
 };
 
 /// Parameters that a vehicle type takes from the default vehicle, including later changes of them.

@@ -4,9 +4,11 @@
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <complex>
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
 #include "stochastic_platoon/math/numerics/zeros.hpp"
 #include "stochastic_platoon/math/response/attenuation.hpp"
@@ -19,11 +21,7 @@ using Complex = std::complex<long double>;
 
 constexpr long double kPi = boost::math::constants::pi<long double>();
 
-/// L = numerator / denominator z^-delay by powers of s = z - 1.
-struct OpenLoop {
-  ExactPolynomial numerator, denominator;
-  std::ptrdiff_t delay;
-};
+using OpenLoop = HearingLoop::Open;
 
 OpenLoop open_loop(const LoopDesign& design, double headway) {
   const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
@@ -66,10 +64,9 @@ long double lag_to_minus_one(const OpenLoop& loop, double frequency) {
 }
 
 /// Sets the peak of |1 / (1 + L)| = prod |z - open pole| / prod |z - closed pole|.
-void find_peak(const ClosedLoop& closed, const LoopDesign& design, const OpenLoop& loop, LoopMargins& margins) {
-  GainFactor sensitivity{poles_of(closed), {}};
-  if (design.headway_filter) sensitivity.poles.pop_back();  // that of the filter
-  long double constant = 0.0L;                              // of -ln |1 / (1 + L)|^2
+void find_peak(std::vector<Complex> closed_poles, const OpenLoop& loop, LoopMargins& margins) {
+  GainFactor sensitivity{std::move(closed_poles), {}};
+  long double constant = 0.0L;  // of -ln |1 / (1 + L)|^2
   for (const Complex& pole : sensitivity.poles) constant += std::log(std::norm(pole));
   for (const Complex& zero : zeros(loop.denominator)) {
     if (zero == 0.0L) {
@@ -86,26 +83,40 @@ void find_peak(const ClosedLoop& closed, const LoopDesign& design, const OpenLoo
       least.t <= 1.0L ? frequency_at(least.t, Centre::kOne) : frequency_at(2.0L - least.t, Centre::kMinusOne);
 }
 
-}  // namespace
-
-std::optional<LoopMargins> loop_margins(const VehicleModel& vehicle) {
-  if (!vehicle.design || !(spectral_radius(vehicle.loop) < 1.0) || !unstable_hidden_modes(vehicle.loop).empty())
-    return std::nullopt;
-  const OpenLoop loop = open_loop(*vehicle.design, vehicle.headway);
+LoopMargins margins_of(const OpenLoop& loop, std::vector<Complex> closed_poles) {
   LoopMargins margins{};
   for (const double frequency : crossovers(loop)) {
     const long double lag = lag_to_minus_one(loop, frequency), of_delay = lag > 0.0L ? lag : lag + 2.0L * kPi;
     margins.phase = std::fmin(margins.phase, static_cast<double>(std::abs(lag) * 180.0L / kPi));
     margins.delay = std::fmin(margins.delay, static_cast<double>(of_delay / static_cast<long double>(frequency)));
   }
-  find_peak(vehicle.loop, *vehicle.design, loop, margins);
+  find_peak(std::move(closed_poles), loop, margins);
   return margins;
+}
+
+}  // namespace
+
+std::optional<LoopMargins> loop_margins(const VehicleModel& vehicle) {
+  if (!vehicle.design || !(spectral_radius(vehicle.loop) < 1.0) || !unstable_hidden_modes(vehicle.loop).empty())
+    return std::nullopt;
+  std::vector<Complex> poles = poles_of(vehicle.loop);
+  if (vehicle.design->headway_filter) poles.pop_back();  // that of the filter
+  return margins_of(open_loop(*vehicle.design, vehicle.headway), std::move(poles));
+}
+
+std::optional<LoopMargins> loop_margins(const VehicleModel& vehicle, std::size_t follower, double sample_period) {
+  const HearingLoop loop(vehicle, follower, sample_period);
+  if (!(loop.spectral_radius() < 1.0)) return std::nullopt;
+  return margins_of(loop.opened(), loop.poles());
 }
 
 std::optional<LoopMargins> loop_margins(const PlatoonModel& model) {
   std::optional<LoopMargins> worst;
-  for (const VehicleModel& vehicle : pattern(model)) {
-    const std::optional<LoopMargins> margins = loop_margins(vehicle);
+  const bool plain = hears_predecessors_only(model);
+  const std::size_t different = type_order(model).size() + (plain ? 0 : farthest_ahead(model));
+  for (std::size_t i = 1; i <= different; ++i) {
+    const VehicleModel& own = vehicle(model, i);
+    const std::optional<LoopMargins> margins = plain ? loop_margins(own) : loop_margins(own, i, model.sample_period);
     if (!margins) return std::nullopt;
     if (!worst || margins->sensitivity_peak > worst->sensitivity_peak) {
       const LoopMargins before = worst.value_or(*margins);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -8,7 +9,7 @@
 namespace platoon {
 
 /// Robustness of a vehicle's closed loop, opened at the input of its plant. With L = G K H, or L = G K behind a headway
-/// filter:
+/// filter, or HearingLoop::opened():
 struct LoopMargins {
   /// The smallest change of L's phase, of either sign, that makes the loop unstable [deg]: the smallest
   /// |arg(-L)| at a frequency where |L| = 1; NaN if there is none.
@@ -23,6 +24,9 @@ struct LoopMargins {
 /// The margins of a vehicle: none for a loop that was given as such or is not stable. Without a grid of frequencies:
 /// |L| = 1 at the sign changes of a polynomial, and the peak is the global minimum of an Attenuation.
 std::optional<LoopMargins> loop_margins(const VehicleModel& vehicle);
+
+/// Those of follower i of a string that hears any vehicles ahead.
+std::optional<LoopMargins> loop_margins(const VehicleModel& vehicle, std::size_t follower, double sample_period);
 
 /// The worst margins over the vehicles of the string, or none if one of them has none.
 std::optional<LoopMargins> loop_margins(const PlatoonModel& model);

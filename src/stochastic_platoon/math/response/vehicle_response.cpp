@@ -14,6 +14,18 @@ VehicleResponse::VehicleResponse(const VehicleModel& vehicle) {
   }
 }
 
+VehicleResponse::VehicleResponse(const VehicleModel& vehicle, std::size_t follower, double sample_period) {
+  if (vehicle.hears_predecessor_only()) {
+    *this = VehicleResponse(vehicle);
+    return;
+  }
+  parts_ = loop_parts<long double>(*vehicle.design, vehicle.headway);
+  parts_->spacing *= static_cast<long double>(spacing_in_vehicles(vehicle, follower));
+  feed_forward_ = 1.0L;
+  own_speed_ = own_speed_gain(vehicle, sample_period);
+  own_acceleration_ = vehicle.own_acceleration / (static_cast<long double>(sample_period) * sample_period);
+}
+
 Motion VehicleResponse::operator()(const Motion& received) const {
   if (loop_) return {(*loop_)(received.position), {}};
   return by_parts(Sequence(parts_->order(), 0.0L), received);
@@ -30,8 +42,13 @@ Motion VehicleResponse::by_parts(Sequence state, const Motion& received) const {
   for (std::size_t k = 0; k < received.position.size(); ++k) {
     own.position.push_back(state.front());
     own.input.push_back(input);
-    input = advance(*parts_, state, received.position[k],
-                    received.input.empty() ? 0.0L : feed_forward_ * received.input[k]);
+    long double forward = received.input.empty() ? 0.0L : feed_forward_ * received.input[k];
+    if (own_speed_ != 0.0L || own_acceleration_ != 0.0L) {
+      const long double now = own.position[k], before = own.position[k > 0 ? k - 1 : 0],
+                        earlier = own.position[k > 1 ? k - 2 : 0];
+      forward += own_acceleration_ * (now - 2.0L * before + earlier) - own_speed_ * (now - before);
+    }
+    input = advance(*parts_, state, received.position[k], forward);
     for (long double& value : state) {
       if (std::abs(value) < LoopResponse::kNegligibleState) value = 0.0L;
     }

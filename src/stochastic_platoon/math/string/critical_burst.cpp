@@ -26,6 +26,7 @@ double least_burst(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
+  if (!hears_predecessors_only(model)) return std::nullopt;
   const std::vector<std::string> types = types_with_default(model, &Inherited::mean_burst);
   const LinkModel& own = model.default_vehicle().varied_link();
   if (!own.loses() || own.loss->markov || types.empty()) return std::nullopt;

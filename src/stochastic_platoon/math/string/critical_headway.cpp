@@ -68,11 +68,17 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   const bool designed = std::all_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
     return !type.inherited.headway || type.vehicle.design;
   });
-  if (!designed || types.empty()) return std::nullopt;
+  if (!designed || types.empty() || model.default_vehicle().constant_spacing) return std::nullopt;
+  const bool plain = hears_predecessors_only(model);
+  if (!plain && any_link(model, [](const LinkModel& link) { return link.loses(); })) return std::nullopt;
   const double own = model.default_vehicle().headway;
   const VariedMargins margins = varied_margins([&model](double headway) { return with_headway(model, headway); }, own);
   HeadwayRange range = headways_about(own);
-  if (is_monotone(model)) range.samples = 8;  // for the search of the one end
+  if (!plain) {
+    range.samples = 32;  // each takes a verdict of the whole string
+  } else if (is_monotone(model)) {
+    range.samples = 8;  // for the search of the one end
+  }
   StableHeadways found = stable_headways(margins.losses, range, margins.gain);
   found.types = types;
   return found;

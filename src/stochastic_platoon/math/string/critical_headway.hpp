@@ -40,7 +40,8 @@ StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange
 
 /// Stable headways of the default vehicle and of the types that inherit its headway, in the range about the model's
 /// own. None if one of these has a given closed loop, which fits one headway only, or if the string contains none of
-/// them. Throws std::invalid_argument for a model without theory: see no_theory().
+/// them, with constant spacing, and over links that lose to vehicles that hear others than their predecessor. Throws
+/// std::invalid_argument for a model without theory: see no_theory().
 std::optional<StableHeadways> stable_headways(const PlatoonModel& model);
 
 }  // namespace platoon

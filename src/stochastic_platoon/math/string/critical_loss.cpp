@@ -16,7 +16,7 @@ PlatoonModel with_loss_stage(PlatoonModel model) {
   const std::size_t inputs = model.default_vehicle().inputs.size();
   for (VehicleType& type : model.types) {
     if (type.vehicle.varied_link().loss || type.vehicle.inputs.size() != inputs) continue;
-    type.vehicle.varied_link().loss = LossModel{};
+    type.vehicle.vary([](LinkModel& link) { link.loss = LossModel{}; });
     type.inherited.loss_probability = true;
   }
   return model;
@@ -27,8 +27,8 @@ PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
   const PlatoonModel given = model;
   model = with_loss(std::move(model), probability);
   for (std::size_t i = 0; i < model.types.size(); ++i) {
-    std::optional<LossModel>& loss = model.types[i].vehicle.varied_link().loss;
-    if (loss) loss->mean_burst = given.types[i].vehicle.varied_link().loss->mean_burst;
+    const std::optional<LossModel>& loss = given.types[i].vehicle.varied_link().loss;
+    if (loss) model.types[i].vehicle.vary([&loss](LinkModel& link) { link.loss->mean_burst = loss->mean_burst; });
   }
   return model;
 }
@@ -48,6 +48,7 @@ double largest_probability(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
+  if (!hears_predecessors_only(given)) return std::nullopt;
   const std::optional<LossModel>& own_loss = given.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return std::nullopt;
   const PlatoonModel model = with_loss_stage(given);

@@ -8,7 +8,6 @@
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
-#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
@@ -142,6 +141,7 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
 
 ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
+  if (needs_chain_moments(model)) return chain_error_moments(model, followers, steps);
   if (!hears_predecessors_only(model)) {
     SignalMoments errors = std::move(hearing_moments(model, {}, followers, steps).front());
     return {steps, followers, std::move(errors.mean), std::move(errors.variance)};
@@ -154,7 +154,6 @@ ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std
     }
     return moments;
   }
-  if (has_bursts(model)) return chain_error_moments(model, followers, steps);
   const ClosedLoop& loop = model.default_vehicle().loop;
   const bool in_double = is_papers(model) && model.recorded_leader.empty() && has_digits_in_double(loop);
   if (!in_double || followers < 1 || steps < 1) return linked_error_moments(model, followers, steps);

@@ -82,7 +82,7 @@ public:
     std::vector<double> variances;
     for (std::size_t p = 0; p < period_; ++p) {
       next[p] = spectra_.added(first_ + p, window);
-      variances.push_back(spectra_.advance(first_ + p, added[p], window));
+      variances.push_back(spectra_.error_variance(first_ + p, spectra_.advance(first_ + p, added[p], window)));
     }
     return variances;
   }

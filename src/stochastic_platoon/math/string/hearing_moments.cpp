@@ -20,39 +20,31 @@ public:
   Hearer(const PlatoonModel& model, std::size_t follower)
       : own_(vehicle(model, follower)),
         follower_(follower),
-        parts_(loop_parts<long double>(*own_.design, own_.headway)),
         period_(model.sample_period),
-        speed_(own_speed_gain(own_, model.sample_period)),
-        acceleration_(own_.own_acceleration / (period_ * period_)) {
-    parts_.spacing *= static_cast<long double>(spacing_in_vehicles(own_, follower));
+        response_(own_, follower, model.sample_period) {}
+
+  /// `all`: vehicles 0 .. follower - 1. `noise`: on one input, from step -1 on; empty: none.
+  Motion operator()(const std::vector<Motion>& all, std::size_t noisy = 0, const Sequence& noise = {}) const {
+    check_interruption();
+    const std::size_t count = all.front().position.size();
+    Motion used{Sequence(count, 0.0L), Sequence(count, 0.0L)};
+    for (std::size_t j = 0; j < own_.inputs.size(); ++j) {
+      const Input& input = own_.inputs[j];
+      const Motion& source = all[source_of(input, follower_)];
+      Sequence& sum = input.signal == InputSignal::position ? used.position : used.input;
+      const auto delay = static_cast<std::size_t>(input.delay());
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t at = k > delay ? k - delay : 0;
+        long double value = sent(input, source, at);
+        if (!noise.empty() && j == noisy && k >= delay) value += noise[at];
+        sum[k] += input.gain * value;
+      }
+    }
+    return response_(used);
   }
 
-  /// `all`: vehicles 0 .. follower - 1. `noise`: on one input, from step -1 on; empty: none. `placed`: the own initial
-  /// position.
-  Motion operator()(const std::vector<Motion>& all, std::size_t steps, std::size_t noisy = 0,
-                    const Sequence& noise = {}, long double placed = 0.0L) const {
-    check_interruption();
-    std::vector<long double> state = unit_equilibrium(parts_);
-    for (long double& value : state) value *= placed;
-    Motion own{{placed}, {0.0L}};
-    for (std::size_t k = 0; k < steps; ++k) {
-      long double position = 0.0L, forward = 0.0L;
-      for (std::size_t j = 0; j < own_.inputs.size(); ++j) {
-        const Input& input = own_.inputs[j];
-        const auto delay = static_cast<std::size_t>(input.delay());
-        const std::size_t at = k > delay ? k - delay : 0;
-        long double value = sent(input, all[source_of(input, follower_)], at);
-        if (!noise.empty() && j == noisy && k >= delay) value += noise[at];
-        (input.signal == InputSignal::position ? position : forward) += input.gain * value;
-      }
-      const long double now = own.position[k], before = own.position[k > 0 ? k - 1 : 0],
-                        earlier = own.position[k > 1 ? k - 2 : 0];
-      forward += acceleration_ * (now - 2.0L * before + earlier) - speed_ * (now - before);
-      own.input.push_back(advance(parts_, state, position, forward));
-      own.position.push_back(state.front());
-    }
-    return own;
-  }
+  /// The motion from an own initial position of 1.
+  Motion placed(std::size_t count) const { return response_.free_motion(count); }
 
 private:
   long double sent(const Input& input, const Motion& source, std::size_t at) const {
@@ -71,8 +63,8 @@ private:
 
   const VehicleModel& own_;
   std::size_t follower_;
-  BasicLoopParts<long double> parts_;
-  long double period_, speed_, acceleration_;
+  long double period_;
+  VehicleResponse response_;
 };
 
 class HearingTables {
@@ -134,8 +126,11 @@ private:
     const Motion still{Sequence(steps_ + 1, 0.0L), Sequence(steps_ + 1, 0.0L)};
     std::vector<Motion> all(source, still);
     for (std::size_t i = source; i <= followers_; ++i) {
-      all.push_back(i == source ? hearers_[i - 1](all, steps_, input, noise, noise.empty() ? 1.0L : 0.0L)
-                                : hearers_[i - 1](all, steps_));
+      if (i == source && noise.empty()) {
+        all.push_back(hearers_[i - 1].placed(steps_ + 1));
+      } else {
+        all.push_back(hearers_[i - 1](all, input, i == source ? noise : Sequence()));
+      }
       const FollowerSignals of = signals_of(model_, names_, i);
       for (std::size_t s = 0; s < moments_.size(); ++s) {
         const Signal& signal = s == 0 ? of.error : of.requested[s - 1];

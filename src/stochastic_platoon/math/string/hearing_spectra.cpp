@@ -24,6 +24,10 @@ double steady_drive(const Input& input, const HearingScatter& losses, double spe
 HearingSpectra::HearingSpectra(const PlatoonModel& model, std::size_t n)
     : model_(model), n_(n), reach_(farthest_ahead(model)), speed_(metres_per_step(model)) {}
 
+double HearingSpectra::frequency(Eigen::Index k) const {
+  return 2.0 * boost::math::double_constants::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_);
+}
+
 HearingSpectra::Window HearingSpectra::nothing() const {
   return {reach_, std::vector<Eigen::ArrayXcd>(reach_, Eigen::ArrayXcd::Zero(static_cast<Eigen::Index>(n_ / 2)))};
 }
@@ -66,8 +70,7 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
   of.policy.resize(half);
   for (Eigen::Index k = 0; k < half; ++k) {
     check_interruption();
-    const CirclePoint point(2.0 * boost::math::double_constants::pi * (static_cast<double>(k) + 0.5) /
-                            static_cast<double>(n_));
+    const CirclePoint point(frequency(k));
     const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));  // 1 - 1/z
     const HearingLoop::Value value = loop.at(point);
     of.policy(k) = 1.0 + own.headway * moved;
@@ -103,14 +106,21 @@ std::vector<Eigen::ArrayXcd> HearingSpectra::transfers(std::size_t follower) con
 }
 
 Eigen::ArrayXd HearingSpectra::added(std::size_t follower, const Window& ahead) const {
+  const std::vector<Eigen::ArrayXd> by_input = added_by_input(follower, ahead);
+  Eigen::ArrayXd sum = by_input.front();
+  for (std::size_t j = 1; j < by_input.size(); ++j) sum += by_input[j];
+  return sum;
+}
+
+std::vector<Eigen::ArrayXd> HearingSpectra::added_by_input(std::size_t follower, const Window& ahead) const {
   const Vehicle& own = vehicle(follower);
-  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(n_ / 2));
-  std::vector<bool> loses(own.inputs.size(), false);
+  std::vector<Eigen::ArrayXd> by_input;
+  for (const Vehicle::Heard& input : own.inputs) by_input.emplace_back(input.own.abs2() * input.noise);
   for (const Vehicle::Packet& packet : own.packets) {
+    Eigen::ArrayXd& sum = by_input[packet.inputs.front()];
     for (const std::size_t j : packet.inputs) {
-      loses[j] = true;
       const Vehicle::Heard& one = own.inputs[j];
-      sum += (one.own * packet.losses->passed()).abs2() * one.noise;
+      by_input[j] *= packet.losses->passed().abs2();
       for (const std::size_t l : packet.inputs) {
         const Vehicle::Heard& other = own.inputs[l];
         Eigen::ArrayXcd sent = Eigen::ArrayXcd::Zero(sum.size());
@@ -126,13 +136,16 @@ Eigen::ArrayXd HearingSpectra::added(std::size_t follower, const Window& ahead) 
       }
     }
   }
-  for (std::size_t j = 0; j < own.inputs.size(); ++j) {
-    if (!loses[j]) sum += own.inputs[j].own.abs2() * own.inputs[j].noise;
-  }
-  return sum;
+  return by_input;
 }
 
-double HearingSpectra::advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const {
+double HearingSpectra::Pair::variance(const Eigen::ArrayXcd& x, bool with_predecessor) const {
+  Eigen::ArrayXd spectrum = x.abs2() * own;
+  if (with_predecessor) spectrum += predecessor + 2.0 * (x * cross).real();
+  return spectrum.mean();
+}
+
+HearingSpectra::Pair HearingSpectra::advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const {
   check_interruption();
   const std::vector<Eigen::ArrayXcd> from = transfers(follower);
   std::vector<Eigen::ArrayXcd> cross;  // with the vehicles of the window
@@ -142,8 +155,7 @@ double HearingSpectra::advance(std::size_t follower, const Eigen::ArrayXd& added
     for (std::size_t a = 0; a < reach_; ++a) cross[b] += from[a] * window[a][b];
     own += cross[b] * from[b].conjugate();
   }
-  const Eigen::ArrayXcd& policy = vehicle(follower).policy;
-  const double variance = mean(window[0][0].real() + policy.abs2() * own.real() - 2.0 * (policy * cross[0]).real());
+  const Pair pair{own.real(), window[0][0].real(), cross[0]};
   for (std::size_t a = reach_; a-- > 1;) {
     for (std::size_t b = reach_; b-- > 1;) window[a][b] = window[a - 1][b - 1];
   }
@@ -152,7 +164,7 @@ double HearingSpectra::advance(std::size_t follower, const Eigen::ArrayXd& added
     window[0][b] = cross[b - 1];
     window[b][0] = cross[b - 1].conjugate();
   }
-  return variance;
+  return pair;
 }
 
 }  // namespace platoon

@@ -50,14 +50,30 @@ public:
   /// T_ia by the distance i - a, from 1 on; none from the leader.
   std::vector<Eigen::ArrayXcd> transfers(std::size_t follower) const;
 
-  /// E_i behind these spectra.
+  /// E_i behind these spectra: what each input adds by its noise and its losses, those of a packet at the first of its
+  /// inputs.
+  std::vector<Eigen::ArrayXd> added_by_input(std::size_t follower, const Window& ahead) const;
   Eigen::ArrayXd added(std::size_t follower, const Window& ahead) const;
 
-  /// Puts follower i in front of the window, and returns the variance of its tracking error.
-  double advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const;
+  /// The spectra of a follower and its predecessor, and Phi_{i,i-1}.
+  struct Pair {
+    Eigen::ArrayXd own, predecessor;
+    Eigen::ArrayXcd cross;
 
-  /// Mean over the circle.
-  static double mean(const Eigen::ArrayXd& values) { return values.mean(); }
+    /// Variance of x y_i + r y_{i-1}, for a filter x and r = 1 or 0.
+    double variance(const Eigen::ArrayXcd& x, bool with_predecessor) const;
+  };
+
+  /// Puts follower i in front of the window.
+  Pair advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const;
+
+  /// The variance of the tracking error of follower i.
+  double error_variance(std::size_t follower, const Pair& pair) const {
+    return pair.variance(-vehicle(follower).policy, true);
+  }
+
+  /// w of each frequency.
+  double frequency(Eigen::Index k) const;
 
 private:
   std::shared_ptr<const HearingScatter> scatter(const LossModel& loss) const;

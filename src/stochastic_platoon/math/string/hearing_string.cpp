@@ -18,6 +18,7 @@
 #include "stochastic_platoon/math/string/hearing_gain.hpp"
 #include "stochastic_platoon/math/string/hearing_limit.hpp"
 #include "stochastic_platoon/math/string/hearing_spectra.hpp"
+#include "stochastic_platoon/math/string/settled_hearing.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
@@ -53,20 +54,6 @@ bool is_mean_square_stable(const PlatoonModel& model) {
   return spectral_radius_of(model) < 1.0 && growth_of_predictions(model) < 1.0;
 }
 
-/// values(spectra), with the number of frequencies doubled until they settle.
-std::vector<double> settled(const PlatoonModel& model,
-                            const std::function<std::vector<double>(const HearingSpectra&)>& values) {
-  constexpr std::size_t kFewest = 512, kMost = std::size_t{1} << 18;
-  constexpr double kSettled = 1e-9;  // of values whose error falls geometrically
-  std::vector<double> coarse;
-  for (std::size_t n = kFewest;; n *= 2) {
-    std::vector<double> fine = values(HearingSpectra(model, n));
-    if (!coarse.empty() && largest_change(coarse, fine) <= kSettled) return fine;
-    if (n >= kMost) throw std::invalid_argument("the spectra of the string are too narrow to integrate");
-    coarse.swap(fine);
-  }
-}
-
 // Of steady_places(), with losses on average. A lost speed that counts as 0 acts through 1 / K at rest.
 double lateness(const VehicleModel& own, const Input& input, double speed, double period) {
   const std::optional<LossModel> loss = input.link.loses() ? input.link.loss : std::nullopt;
@@ -81,6 +68,7 @@ double lateness(const VehicleModel& own, const Input& input, double speed, doubl
 
 // Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.
 constexpr double kDoubt = 1e-9;
+constexpr double kLowFrequency = 1e-3;  // [rad/sample] where it is compared with 1
 
 void judge(const PlatoonModel& model, StringStability& verdict) {
   const HearingGain gain(model);
@@ -88,8 +76,7 @@ void judge(const PlatoonModel& model, StringStability& verdict) {
   const std::string name = farthest_ahead(model) == 1 && is_homogeneous(model)
                                ? "|T|"
                                : "the spectral radius of the string's companion matrix";
-  constexpr double kLow = 1e-3;
-  const double at_low = gain(kLow), at_zero = gain(1e-5);
+  const double at_low = gain(kLowFrequency), at_zero = gain(1e-5);
   verdict.peak_gain = peak.gain > 1.0 + kDoubt ? peak.gain : std::max(at_zero, std::min(peak.gain, 1.0));
   verdict.peak_frequency = peak.gain > 1.0 + kDoubt        ? peak.frequency
                            : at_zero >= peak.gain - kDoubt ? 0.0
@@ -100,18 +87,25 @@ void judge(const PlatoonModel& model, StringStability& verdict) {
                                peak.gain, peak.frequency);
     return;
   }
-  if (!(1.0 - at_low > kDoubt * kLow)) {
+  if (!(1.0 - at_low > kDoubt * kLowFrequency)) {
     verdict.undecided = true;
     verdict.reason = "undecided: " + name + " is 1 to the digits of the model near w = 0";
     return;
   }
   const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
   const std::size_t period = type_order(model).size();
-  std::vector<double> limits = settled(model, [period, loses](const HearingSpectra& spectra) {
-    HearingLimit limit = hearing_limit(spectra, period, loses);
-    limit.variances.push_back(limit.loss_gain);
-    return limit.variances;
-  });
+  std::vector<double> limits;
+  try {
+    limits = settled_hearing(model, [period, loses](const HearingSpectra& spectra) {
+      HearingLimit limit = hearing_limit(spectra, period, loses);
+      limit.variances.push_back(limit.loss_gain);
+      return limit.variances;
+    });
+  } catch (const NarrowSpectra& narrow) {
+    verdict.undecided = true;
+    verdict.reason = std::string("undecided: ") + narrow.what() + " along an endless string";
+    return;
+  }
   const double loss_gain = limits.back();
   limits.pop_back();
   if (loses) verdict.loss_gain = loss_gain;
@@ -130,14 +124,27 @@ void judge(const PlatoonModel& model, StringStability& verdict) {
 
 }  // namespace
 
+std::vector<double> settled_hearing(const PlatoonModel& model,
+                                    const std::function<std::vector<double>(const HearingSpectra&)>& values) {
+  constexpr std::size_t kFewest = 512, kMost = std::size_t{1} << 18;
+  constexpr double kSettled = 1e-9;  // of values whose error falls geometrically
+  std::vector<double> coarse;
+  for (std::size_t n = kFewest;; n *= 2) {
+    std::vector<double> fine = values(HearingSpectra(model, n));
+    if (!coarse.empty() && largest_change(coarse, fine) <= kSettled) return fine;
+    if (n >= kMost) throw NarrowSpectra();
+    coarse.swap(fine);
+  }
+}
+
 std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t followers) {
   require_theory(model);
   if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
-  return settled(model, [followers](const HearingSpectra& spectra) {
+  return settled_hearing(model, [followers](const HearingSpectra& spectra) {
     Window window = spectra.nothing();
     std::vector<double> variances;
     for (std::size_t i = 1; i <= followers; ++i) {
-      const double variance = spectra.advance(i, spectra.added(i, window), window);
+      const double variance = spectra.error_variance(i, spectra.advance(i, spectra.added(i, window), window));
       variances.push_back(std::isfinite(variance) ? variance : kInfinity);
     }
     return variances;
@@ -147,6 +154,7 @@ std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t fol
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {
   require_theory(model);
   if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
+  constexpr double kRounding = 1e-14;  // of a place
   const double speed = metres_per_step(model);
   std::map<const Input*, double> known;  // the inputs of a type serve all its vehicles
   const auto late = [&](const VehicleModel& own, const Input& input) {
@@ -158,7 +166,8 @@ std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followe
   std::vector<double> means;
   for (std::size_t i = 1; i <= followers; ++i) {
     const VehicleModel& own = vehicle(model, i);
-    means.push_back(places[i - 1] - places[i] - speed * own.headway - own.standstill_distance);
+    const double mean = places[i - 1] - places[i] - speed * own.headway - own.standstill_distance;
+    means.push_back(std::abs(mean) > kRounding * std::abs(places[i]) ? mean : 0.0);
   }
   return means;
 }
@@ -179,6 +188,15 @@ StringStability hearing_stability(const PlatoonModel& model) {
         growth);
   }
   return verdict;
+}
+
+double hearing_gain_margin(const PlatoonModel& model) {
+  require_theory(model);
+  const double radius = std::max(spectral_radius_of(model), growth_of_predictions(model));
+  if (!(radius < 1.0)) return 1.0 - radius;
+  const HearingGain gain(model);
+  const double beyond = gain.peak().gain - 1.0 - kDoubt;
+  return beyond > 0.0 ? -beyond : (1.0 - gain(kLowFrequency)) / kLowFrequency - kDoubt;
 }
 
 }  // namespace platoon

@@ -28,4 +28,7 @@ std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followe
 /// ahead that of |T|; it is sought on a grid of frequencies, and refined.
 StringStability hearing_stability(const PlatoonModel& model);
 
+/// Positive exactly if the string is string stable without what losses add.
+double hearing_gain_margin(const PlatoonModel& model);
+
 }  // namespace platoon

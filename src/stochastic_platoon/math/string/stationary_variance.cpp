@@ -1,7 +1,10 @@
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
+#include <array>
+
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/string/hearing_signals.hpp"
 #include "stochastic_platoon/math/string/hearing_string.hpp"
 
 namespace platoon {
@@ -30,11 +33,15 @@ std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t 
   return stationary_variances(pattern, metres_per_step(model), followers);
 }
 
-std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers) {
+std::vector<std::vector<double>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers) {
   require_followers(followers);
+  if (!hears_predecessors_only(model)) return hearing_variances_by_input(model, followers);
   const LinkedPattern pattern(model);
   if (!pattern.mean_square_stable()) return {followers, {kNaN, kNaN}};
-  return variances_by_input(pattern, metres_per_step(model), followers);
+  std::vector<std::vector<double>> shares;
+  for (const std::array<double, 2>& of : variances_by_input(pattern, metres_per_step(model), followers))
+    shares.emplace_back(of.begin(), of.end());
+  return shares;
 }
 
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {

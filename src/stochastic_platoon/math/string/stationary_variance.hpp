@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -18,10 +17,10 @@ namespace platoon {
 /// platoon they grow without bound, to infinity if they leave the range of double.
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers);
 
-/// The shares of the links that measure positions and of the radios in these variances [m^2], from noise and losses of
-/// all vehicles; per follower the share of the position and that of the predecessor's input. Infinite or NaN where the
-/// variance is.
-std::vector<std::array<double, 2>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers);
+/// The shares of the inputs in these variances [m^2], from noise and losses of all vehicles, per follower in the order
+/// of VehicleModel::inputs; losses of a packet count for the first of its inputs. Infinite or NaN where the variance
+/// is.
+std::vector<std::vector<double>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers);
 
 /// Means at the leader's last speed [m]: v times the mean lag of the received position.
 std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers);

@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/stable_intervals.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
 
 namespace platoon {
 
@@ -17,8 +18,19 @@ struct VariedMargins {
 };
 
 /// `model_at`: the platoon at a value; `known`: a value with a loop. A value without a loop of double integral action
-/// counts as unstable. The pattern at the last value is kept, as both margins need it.
+/// counts as unstable. A string that hears others than predecessors must not lose. The pattern at the last value is
+/// kept, as both margins need it.
 inline VariedMargins varied_margins(std::function<PlatoonModel(double)> model_at, double known) {
+  if (!hears_predecessors_only(model_at(known))) {
+    const auto margin = [model_at](double value) {
+      try {
+        return hearing_gain_margin(model_at(value));
+      } catch (const std::invalid_argument&) {
+        return -1.0;
+      }
+    };
+    return {margin, [](double) { return 1.0; }};
+  }
   struct Varied {
     std::function<PlatoonModel(double)> model_at;
     LinkedPattern known, last;

@@ -51,9 +51,7 @@ void choose_steps(const PlatoonModel& model, RunOptions& run) {
   const double seconds = static_cast<double>(model.recorded_leader.size()) * model.sample_period;
   run.steps = chosen_steps(run, model.sample_period, std::max(seconds, kChosenSeconds));
   const auto followers = static_cast<double>(run.followers);
-  if (!hears_predecessors_only(model)) {
-    // The theory has no table of every step where links lose.
-  } else if (has_bursts(model) && !no_theory(model)) {
+  if (needs_chain_moments(model) && !no_theory(model)) {
     run.steps = std::min(run.steps, most_chain_steps(model, run.followers, 0.2));
   } else if (has_independent_losses(model)) {
     run.steps = std::min(run.steps, static_cast<std::int64_t>(kMostLossResponses / (followers * followers)));

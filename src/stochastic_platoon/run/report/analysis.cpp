@@ -24,8 +24,9 @@ nlohmann::json coefficients(const Polynomial& polynomial) {
   return numbers({polynomial.data(), polynomial.data() + polynomial.size()});
 }
 
-// Throws ConfigurationError unless the theory of this run can be computed. `most_steps`: of losses in bursts.
-void check_run(RunOptions run, const SignalRequest& signals, std::optional<std::int64_t> most_steps) {
+// Throws ConfigurationError unless the theory of this run can be computed. `most_steps`: of these `losses`.
+void check_run(RunOptions run, const SignalRequest& signals, std::optional<std::int64_t> most_steps,
+               const char* losses) {
   if (run.averaging() == Averaging::over_time) throw ConfigurationError({"steps: 0: must be at least 1 here"});
   run.signals = signals.names;
   if (run.burn_in > 0 && !run.has_amplification()) {
@@ -34,8 +35,8 @@ void check_run(RunOptions run, const SignalRequest& signals, std::optional<std::
   }
   if (most_steps && run.steps > *most_steps) {
     throw ConfigurationError(
-        {formatted("steps: %lld: must be at most %lld with losses in bursts and %zu followers",
-                   static_cast<long long>(run.steps), static_cast<long long>(*most_steps), run.followers)});
+        {formatted("steps: %lld: must be at most %lld with %s and %zu followers", static_cast<long long>(run.steps),
+                   static_cast<long long>(*most_steps), losses, run.followers)});
   }
 }
 
@@ -50,8 +51,8 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   analysis.without_theory = no_theory(model);
   std::optional<std::int64_t> most_steps;
   const bool plain = hears_predecessors_only(model);
-  if (!analysis.without_theory && plain && has_bursts(model)) most_steps = most_chain_steps(model, followers);
-  check_run(configuration.run, signals, most_steps);
+  if (!analysis.without_theory && needs_chain_moments(model)) most_steps = most_chain_steps(model, followers);
+  check_run(configuration.run, signals, most_steps, has_bursts(model) ? "losses in bursts" : "such losses");
   analysis.signals.request = signals;
   analysis.warnings = plausibility_warnings(configuration);
   const VehicleModel& own = model.default_vehicle();
@@ -74,16 +75,15 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
             {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable", "loss_gain",
              "limit_variance", "reason", "contradictions", "bounds", "norms", "signals", "collision", "amplification"}))
     analysis.stability = string_stability(model);
-  if (plain && needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
+  if (needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
     analysis.robustness.margins = loop_margins(model);
   if (plain && needs("critical delay", {"critical_delay"}))
     analysis.robustness.critical_radio_delay = critical_delay(model);
   if (needs("stationary variances", {"stationary_variance", "contradictions"}))
     analysis.stationary_variance = stationary_variances(model, followers);
-  if (plain && has_radios(model) && needs("shares by input", {"stationary_variance_by_input"}))
+  if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))
     analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
-  const bool has_table = plain || has_normal_errors(model);
-  if (has_table && needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
+  if (needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
     analysis.moments = error_moments(model, followers, steps);
     analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   }
@@ -94,7 +94,6 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.bounds = theorem_two_bounds(model, followers, steps);
   if (!is_papers(model) && needs("stationary means", {"stationary_mean"}))
     analysis.stationary_mean = stationary_means(model, followers);
-  if (!plain) return analysis;
   if (needs("stable headways",
             {"critical_headway", "critical_headway_seconds", "critical_headway_types", "stable_headways"}))
     analysis.headways = stable_headways(model);
@@ -127,8 +126,8 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
                           {"variance_linf", numbers(analysis.norms.variance)},
                           {"mean_bound", number(analysis.bounds ? analysis.bounds->mean_bound : std::nullopt)},
                           {"variance_bound", number(analysis.bounds ? analysis.bounds->variance_bound : std::nullopt)}};
-  for (const std::array<double, 2>& shares : analysis.stationary_variance_by_input) {
-    for (const std::size_t input : {0u, 1u}) by_input[input].push_back(number(shares[input]));
+  for (const std::vector<double>& shares : analysis.stationary_variance_by_input) {
+    for (std::size_t input = 0; input < shares.size(); ++input) by_input[input].push_back(number(shares[input]));
   }
   if (analysis.bounds) {
     bounds = {{"alpha_1", number(analysis.bounds->alpha_1)},

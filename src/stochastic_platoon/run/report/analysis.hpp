@@ -32,8 +32,8 @@ struct Analysis {
   Robustness robustness = {};                ///< of the loop and of the radio
   std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses
   std::vector<double> stationary_variance;   ///< [m^2], one per follower; NaN if there is none
-  /// In a string with radios: the shares of the positions and of the inputs in it, noise and losses.
-  std::vector<std::array<double, 2>> stationary_variance_by_input = {};
+  /// Where a vehicle hears more than a position: the shares of its inputs in it, noise and losses, per follower.
+  std::vector<std::vector<double>> stationary_variance_by_input = {};
   ErrorMoments moments;
   ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
   std::optional<TheoremTwoBounds> bounds;  ///< none for an unstable loop, or for a platoon other than the paper's

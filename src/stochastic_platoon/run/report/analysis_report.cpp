@@ -48,9 +48,12 @@ std::string peak_line(const PlatoonModel& model, const StringStability& stabilit
 std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.headways) {
     const bool followed = !types_with_default(model, &Inherited::headway).empty();
+    const bool plain = hears_predecessors_only(model);
+    if (model.default_vehicle().constant_spacing) return "Critical headway: none, as the spacing is constant\n";
     return std::string("Critical headway: none, as ") +
-           (followed ? "the closed loop itself was given and fits one headway\n"
-                     : "no vehicle of the string follows the default headway\n");
+           (followed && !plain ? "links lose to vehicles that hear others than their predecessor\n"
+            : followed         ? "the closed loop itself was given and fits one headway\n"
+                               : "no vehicle of the string follows the default headway\n");
   }
   const StableHeadways& headways = *analysis.headways;
   const std::string critical = headways.critical ? formatted("%.9g sample periods (%.9g s)", *headways.critical,
@@ -61,16 +64,26 @@ std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
          shown(headways.intervals) + "\n";
 }
 
+std::string text_of(const Input& input) {
+  const std::string source = input.ahead == Input::kLeader ? "the leader" : formatted("vehicle i-%zu", input.ahead);
+  return std::string(name_of(input.signal)) + " of " + source;
+}
+
 std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
   const std::optional<LossModel>& own_loss = model.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return "Critical loss probability: none, as a chain of states loses\n";
+  if (!hears_predecessors_only(model)) return "";
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
   const VehicleModel& own = model.default_vehicle();
-  const std::string signal = own.radio() != nullptr ? "input" : "position";
-  return "Critical loss probability" + of_types(model, analysis.losses->types) +
-         (own.radio() != nullptr ? " by radio" : "") +
-         (own.varied_link().loss ? ": " : " (a lost " + signal + " is replaced by the last one received): ") +
+  const Input& varied = own.inputs[own.varied_inputs().front()];
+  const std::string of = !own.hears_predecessor_only() ? " of " + text_of(varied)
+                         : own.radio() != nullptr      ? " by radio"
+                                                       : "";
+  return "Critical loss probability" + of_types(model, analysis.losses->types) + of +
+         (varied.link.loss
+              ? ": "
+              : std::string(" (a lost ") + name_of(varied.signal) + " is replaced by the last one received): ") +
          (critical ? formatted("%.9g", *critical) : "none") +
          formatted("; string stable loss probabilities within [0, %.6g]%s:", analysis.losses->largest,
                    has_bursts(model) ? " at this mean burst" : "") +
@@ -78,14 +91,22 @@ std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
 }
 
 /// "h = 8 (0.8 s), hears position of vehicle i-1 (0.6), position of vehicle i-2 (0.4)".
+std::string shares_line(const VehicleModel& last, const std::vector<std::vector<double>>& shares) {
+  if (shares.empty()) return "";
+  std::string text = "of which ";
+  for (std::size_t n = 0; n < last.inputs.size(); ++n) {
+    const std::string name = last.hears_predecessor_only() ? (n == 0 ? "radar" : "radio") : text_of(last.inputs[n]);
+    text += (n > 0 ? ", " : "") + name + " " + figure(shares.back()[n], "m^2");
+  }
+  return text + formatted(" (follower %zu)\n", shares.size());
+}
+
 std::string inputs_text(const VehicleModel& own, double sample_period) {
   std::string text = own.constant_spacing ? formatted("constant spacing of %g m", own.standstill_distance)
                                           : formatted("h = %g (%g s)", own.headway, own.headway * sample_period);
   text += ", hears ";
   for (const Input& input : own.inputs) {
-    const std::string source = input.ahead == Input::kLeader ? "the leader" : formatted("vehicle i-%zu", input.ahead);
-    text += (&input == &own.inputs.front() ? "" : ", ") + std::string(name_of(input.signal)) + " of " + source +
-            formatted(" (%g)", input.gain);
+    text += (&input == &own.inputs.front() ? "" : ", ") + text_of(input) + formatted(" (%g)", input.gain);
   }
   return text;
 }
@@ -123,21 +144,13 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   text += stability.reason + "\n";
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
-  text += peak_line(model, stability);
-  if (plain) {
-    text += report(model, analysis.robustness);
-    text +=
-        headway_line(model, analysis) + loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
-  }
+  text += peak_line(model, stability) + report(model, analysis.robustness) + headway_line(model, analysis) +
+          loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
           figure(stability.limit_variance, "m^2") + "\n";
-  if (!analysis.stationary_variance_by_input.empty()) {
-    const auto& [position, input] = analysis.stationary_variance_by_input.back();
-    text += "of which radar " + figure(position, "m^2") + ", radio " + figure(input, "m^2") +
-            formatted(" (follower %zu)\n", stationary.size());
-  }
+  text += shares_line(vehicle(model, stationary.size()), analysis.stationary_variance_by_input);
   const std::vector<double>& means = analysis.stationary_mean;
   const auto largest = std::max_element(means.begin(), means.end(),
                                         [](double one, double other) { return std::abs(one) < std::abs(other); });
@@ -147,10 +160,6 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   }
   for (const std::string& contradiction : analysis.contradictions) text += contradiction_line(contradiction);
   text += report(configuration, analysis.signals);
-  if (analysis.moments.followers == 0) {
-    text += "Mean and variance of every step: in a run only, as links lose\n" + warning_lines(analysis.warnings);
-    return text;
-  }
   text += formatted(
       "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
       analysis.moments.followers, static_cast<long long>(analysis.moments.steps),

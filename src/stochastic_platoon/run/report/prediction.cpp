@@ -96,17 +96,11 @@ namespace {
 Prediction theory_of(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   if (const auto reason = no_theory(configuration.model)) return no_prediction(configuration, *reason);
-  const bool plain = hears_predecessors_only(configuration.model);
-  if (!plain && run.averaging() != Averaging::over_time && !has_normal_errors(configuration.model))
-    return no_prediction(
-        configuration,
-        "links lose to vehicles that hear others than their predecessor (averages over time, steps: 0, "
-        "have a theory)");
-  const bool in_bursts = has_bursts(configuration.model);
-  if (plain && in_bursts && run.steps > 0 && run.steps > most_chain_steps(configuration.model, run.followers)) {
-    return no_prediction(configuration,
-                         formatted("the exact moments of losses in bursts take the square of the %lld steps",
-                                   static_cast<long long>(run.steps)));
+  const bool plain = hears_predecessors_only(configuration.model), of_chain = needs_chain_moments(configuration.model);
+  if (of_chain && run.steps > 0 && run.steps > most_chain_steps(configuration.model, run.followers)) {
+    return no_prediction(configuration, formatted("the exact moments of %s take the square of the %lld steps",
+                                                  has_bursts(configuration.model) ? "losses in bursts" : "such losses",
+                                                  static_cast<long long>(run.steps)));
   }
   if (run.followers_before_external() == 0)
     return no_prediction(configuration, "vehicle_1, which the others follow, is external");
@@ -117,14 +111,14 @@ Prediction theory_of(const Configuration& configuration) {
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
     prediction.warning = burn_in_warning(configuration);
-    if (prediction.warning.empty() && !in_bursts && plain)
+    if (prediction.warning.empty() && !has_bursts(configuration.model) && plain)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
     ErrorMoments moments =
-        loses(configuration.model) && !in_bursts
+        loses(configuration.model) && !of_chain
             ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
             : error_moments(configuration.model, run.followers, run.steps);
-    if (in_bursts) prediction.warning = kNoFourthMoments;
+    if (of_chain) prediction.warning = kNoFourthMoments;
     if (plain) prediction.rounding = rounding_bounds(configuration.model, moments);
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);

@@ -106,7 +106,7 @@ SignalAnalysis analyze_signals(const Configuration& configuration, const SignalR
   const RunOptions& run = configuration.run;
   SignalAnalysis analysis{request, {}, {}, {}};
   const std::vector<std::string> names = request.all_names();
-  if (names.empty() || !has_normal_errors(model) || !hears_predecessors_only(model)) return analysis;
+  if (names.empty() || !has_normal_errors(model)) return analysis;
   begins("stationary signals");
   analysis.stationary = stationary_signals(model, names, run.followers, string_stable);
   begins("signals of every step");
@@ -153,8 +153,6 @@ SignalsByName exact_signals(const PlatoonModel& model, const std::vector<std::st
 std::string report(const Configuration& configuration, const SignalAnalysis& analysis) {
   const std::vector<std::string> names = analysis.request.all_names();
   if (names.empty()) return "";
-  if (analysis.is_empty() && !hears_predecessors_only(configuration.model))
-    return "Signals and collisions: in a run only, as vehicles hear others than their predecessor\n";
   if (analysis.is_empty()) return "Signals and collisions: measured only, as errors are not normal\n";
   std::string text;
   for (std::size_t s = 0; s < names.size(); ++s) {

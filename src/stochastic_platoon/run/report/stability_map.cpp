@@ -66,7 +66,8 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
           if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
           if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
           if (!axes.losses.empty()) {
-            if (!own.varied_link().loss) varied.default_vehicle().varied_link().loss = LossModel();
+            if (!own.varied_link().loss)
+              varied.default_vehicle().vary([](LinkModel& link) { link.loss = LossModel(); });
             varied = with_loss(std::move(varied), loss);
           }
           if (!std::isnan(burst)) varied = with_mean_burst(std::move(varied), burst);

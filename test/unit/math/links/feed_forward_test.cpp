@@ -136,7 +136,7 @@ TEST(FeedForward, SharesTheVarianceAmongTheInputs) {
   PlatoonModel model = radio_platoon(0.5, 0.01, 0.02);
   lose_inputs(model, 0.1, {1.0});
   const std::vector<double> all = stationary_variances(model, 8);
-  const std::vector<std::array<double, 2>> shares = stationary_variances_by_input(model, 8);
+  const std::vector<std::vector<double>> shares = stationary_variances_by_input(model, 8);
   const std::vector<double> radar = stationary_variances(radio_platoon(0.5, 0.01, 0.0), 8);
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_NEAR((shares[i][0] + shares[i][1]) / all[i], 1.0, 1e-11);

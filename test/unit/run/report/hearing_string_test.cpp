@@ -10,72 +10,16 @@
 #include "stochastic_platoon/math/string/hearing_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
-#include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "unit/messages.hpp"
+#include "unit/run/report/hearing_models.hpp"
 
 namespace platoon {
 namespace {
 
-PlatoonModel model_of(const std::string& text) {
-  return parse_model(YAML::Load(text + "\nleader: {speed: [{from_step: 0, value: 20.0}]}\n"
-                                       "initial_position: {mean: 0.0, variance: 0.0}\n"));
-}
-
-const char* const kPath = R"(
-sample_period: 0.1
-spacing: constant
-standstill_distance: 5.0
-plant: {actuator_lag: 0.5}
-controller: {kp: 0.04, kd: 0.0}
-inputs:
-  - {signal: position, noise_variance: 0.05}
-  - {signal: acceleration, gain: 0.5, noise_variance: 0.01}
-  - {signal: acceleration, from: leader, gain: 0.5, noise_variance: 0.02}
-  - {signal: speed, gain: 0.3, noise_variance: 0.03}
-  - {signal: speed, from: leader, gain: 0.1, noise_variance: 0.04})";
-
-const char* const kTwoAhead = R"(
-sample_period: 0.1
-time_headway: 8
-standstill_distance: 2.0
-plant: {actuator_lag: 0.3}
-controller: {kp: 0.35, kd: 0.8}
-inputs:
-  - {signal: position, from: predecessor, weight: 0.6, noise_variance: 0.02}
-  - {signal: position, from: 2, weight: 0.4, noise_variance: 0.05})";
-
-const char* const kLeaderShare = R"(
-sample_period: 0.05
-spacing: constant
-standstill_distance: 5.0
-plant: {actuator_lag: 0.2}
-controller: {kp: 0.5, kd: 1.1}
-inputs:
-  - {signal: position, weight: 0.7, noise_variance: 0.02}
-  - {signal: position, from: leader, weight: 0.3, noise_variance: 0.04}
-  - {signal: input, gain: 0.4, noise_variance: 0.01, channel: {delay: 1}})";
-
-// Up to its radar.
-const std::string kRadioCar = R"(
-sample_period: 0.1
-time_headway: 6
-standstill_distance: 2.0
-plant: {actuator_lag: 0.3}
-controller: {kp: 0.5, kd: 1.2, headway_filter: true}
-inputs:
-  - {signal: position, noise_variance: 0.01})";
-
-std::string packet(const std::string& loss) {
-  return kRadioCar + R"(
-  - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, packet: radio, loss: )" +
-         loss + R"(}}
-  - {signal: speed, gain: 0.3, noise_variance: 0.03, channel: {packet: radio}})";
-}
-
 // The expected values come from a Lyapunov equation of the whole string, solved by another program.
 void expect_variances(const std::string& text, std::size_t followers, const std::vector<std::size_t>& at,
                       const std::vector<double>& expected) {
-  const std::vector<double> found = stationary_variances(model_of(text), followers);
+  const std::vector<double> found = stationary_variances(hearing_model(text), followers);
   for (std::size_t j = 0; j < at.size(); ++j) EXPECT_NEAR(found[at[j] - 1], expected[j], 6e-9) << at[j];
 }
 
@@ -93,9 +37,9 @@ TEST(HearingString, LosesTheInputsOfAPacketTogether) {
 }
 
 TEST(HearingString, IsJudgedByItsCompanionMatrix) {
-  EXPECT_TRUE(hearing_stability(model_of(kPath)).string_stable);
-  EXPECT_TRUE(hearing_stability(model_of(kLeaderShare)).string_stable);
-  const StringStability two = hearing_stability(model_of(kTwoAhead));
+  EXPECT_TRUE(hearing_stability(hearing_model(kPath)).string_stable);
+  EXPECT_TRUE(hearing_stability(hearing_model(kLeaderShare)).string_stable);
+  const StringStability two = hearing_stability(hearing_model(kTwoAhead));
   EXPECT_FALSE(two.string_stable);
   EXPECT_NEAR(two.peak_gain, 1.047857, 6e-7);
   EXPECT_NEAR(two.peak_frequency, 0.0262, 6e-5);
@@ -104,7 +48,7 @@ TEST(HearingString, IsJudgedByItsCompanionMatrix) {
 // The settled table and the spectra are computed in different ways.
 TEST(HearingString, HasTablesThatSettleToTheStationaryValues) {
   for (const char* text : {kPath, kTwoAhead, kLeaderShare}) {
-    const PlatoonModel model = model_of(text);
+    const PlatoonModel model = hearing_model(text);
     constexpr std::int64_t kSteps = 3000;
     const ErrorMoments table = error_moments(model, 6, kSteps);
     const std::vector<double> settled = stationary_variances(model, 6), means = stationary_means(model, 6);
@@ -116,7 +60,7 @@ TEST(HearingString, HasTablesThatSettleToTheStationaryValues) {
 }
 
 TEST(HearingString, IsThatOfPredecessorsWhereTheyAreHeardAlone) {
-  const PlatoonModel model = model_of(kRadioCar + R"(
+  const PlatoonModel model = hearing_model(kRadioCar + R"(
   - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, loss: {probability: 0.2, mean_burst: 3}}})");
   ASSERT_TRUE(hears_predecessors_only(model));
   const std::vector<double> expected = stationary_variances(model, 8), found = hearing_variances(model, 8);
@@ -132,7 +76,7 @@ TEST(HearingString, NamesInputsThatAreNotAllowed) {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
-    return message_of<ConfigurationError>([&text] { model_of(text); });
+    return message_of<ConfigurationError>([&text] { hearing_model(text); });
   };
   const auto expect = [](const std::string& message, const std::string& part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
@@ -152,7 +96,7 @@ TEST(HearingString, NamesInputsThatAreNotAllowed) {
 
 TEST(HearingString, IsWrittenAsItIsRead) {
   for (const std::string& text : {std::string(kPath), std::string(kTwoAhead), packet("{probability: 0.1}")}) {
-    const nlohmann::json once = to_json(model_of(text));
+    const nlohmann::json once = to_json(hearing_model(text));
     EXPECT_EQ(to_json(parse_model(YAML::Load(once.dump()))), once) << text;
   }
 }

@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "stochastic_platoon/math/response/loop_margins.hpp"
+#include "stochastic_platoon/math/string/critical_burst.hpp"
+#include "stochastic_platoon/math/string/critical_headway.hpp"
+#include "stochastic_platoon/math/string/critical_loss.hpp"
+#include "stochastic_platoon/math/string/hearing_signals.hpp"
+#include "stochastic_platoon/math/string/hearing_string.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "unit/run/report/hearing_models.hpp"
+
+namespace platoon {
+namespace {
+
+const std::vector<std::string> kSignals{"gap", "speed", "acceleration", "jerk"};
+
+PlatoonModel radio_car(const std::string& loss = "") {
+  return hearing_model(kRadioCar + R"(
+  - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1)" +
+                       loss + "}}");
+}
+
+// A string of predecessors alone has both theories.
+TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
+  const PlatoonModel model = radio_car(), lossy = radio_car(", loss: {probability: 0.2, mean_burst: 3}");
+  const std::vector<StationarySignal> expected = stationary_signals(model, kSignals, 5, true),
+                                      found = hearing_signals(model, kSignals, 5);
+  for (std::size_t s = 0; s < kSignals.size(); ++s) {
+    for (std::size_t i = 0; i < 5; ++i) {
+      EXPECT_NEAR(found[s].followers.variance[i] / expected[s].followers.variance[i], 1.0, 1e-9) << kSignals[s] << i;
+      EXPECT_NEAR(found[s].followers.change[i] / expected[s].followers.change[i], 1.0, 1e-9) << kSignals[s] << i;
+      EXPECT_NEAR(found[s].followers.mean[i], expected[s].followers.mean[i], 1e-9) << kSignals[s] << i;
+    }
+  }
+  const auto shares = stationary_variances_by_input(lossy, 5), of_hearing = hearing_variances_by_input(lossy, 5);
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t n = 0; n < 2; ++n) EXPECT_NEAR(of_hearing[i][n] / shares[i][n], 1.0, 1e-9) << i << n;
+  }
+  const LoopMargins one = loop_margins(model).value(), other = loop_margins(model.default_vehicle(), 3, 0.1).value();
+  EXPECT_NEAR(other.phase, one.phase, 1e-9);
+  EXPECT_NEAR(other.delay, one.delay, 1e-9);
+  EXPECT_NEAR(other.sensitivity_peak, one.sensitivity_peak, 1e-9);
+  EXPECT_NEAR(other.peak_frequency, one.peak_frequency, 1e-6);
+  const double critical = stable_headways(model)->critical.value();
+  EXPECT_GT(hearing_gain_margin(with_headway(model, critical * (1.0 + 1e-6))), 0.0);
+  EXPECT_LT(hearing_gain_margin(with_headway(model, critical * (1.0 - 1e-6))), 0.0);
+}
+
+TEST(HearingFigures, SharesSumToTheVariance) {
+  for (const PlatoonModel& model :
+       {hearing_model(kPath), hearing_model(packet("{probability: 0.15, mean_burst: 4, on_loss: hold}"))}) {
+    const std::vector<std::vector<double>> shares = stationary_variances_by_input(model, 4);
+    const std::vector<double> variances = stationary_variances(model, 4);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(std::accumulate(shares[i].begin(), shares[i].end(), 0.0) / variances[i], 1.0, 1e-8) << i;
+      EXPECT_GT(*std::min_element(shares[i].begin(), shares[i].end()), 0.0);
+    }
+  }
+}
+
+// The settled tables and the spectra are computed in different ways.
+TEST(HearingFigures, SignalsSettleToTheirStationaryValues) {
+  std::vector<std::string> names = kSignals;
+  names.push_back("input");
+  for (const char* text : {kPath, kTwoAhead, kLeaderShare}) {
+    const PlatoonModel model = hearing_model(text);
+    constexpr std::size_t kFollowers = 4, kSteps = 2500;
+    const std::vector<SignalMoments> tables = signal_moments(model, names, kFollowers, kSteps);
+    const std::vector<StationarySignal> settled = stationary_signals(model, names, kFollowers, true);
+    for (std::size_t s = 0; s < names.size(); ++s) {
+      for (std::size_t i = 0; i < kFollowers; ++i) {
+        const std::size_t cell = i * kSteps + kSteps - 1;
+        EXPECT_NEAR(tables[s].variance[cell] / settled[s].followers.variance[i], 1.0, 1e-8) << text << names[s] << i;
+        EXPECT_NEAR(tables[s].mean[cell], settled[s].followers.mean[i], 1e-6) << text << names[s] << i;
+      }
+    }
+  }
+}
+
+TEST(HearingFigures, MarginsAreWhereTheLoopBecomesUnstable) {
+  for (const char* text : {kTwoAhead, kLeaderShare, kPath}) {
+    const PlatoonModel model = hearing_model(text);
+    const LoopMargins margins = loop_margins(model).value();
+    ASSERT_FALSE(std::isnan(margins.delay));
+    for (const double share : {0.999, 1.001}) {
+      PlatoonModel delayed = model;
+      LoopDesign& design = *delayed.default_vehicle().design;
+      ContinuousPlant plant = std::get<ContinuousPlant>(design.plant.given());
+      plant.input_delay += share * margins.delay * model.sample_period;
+      design.plant = Plant(plant, model.sample_period);
+      EXPECT_EQ(string_stability(delayed).mean_square_stable, share < 1.0) << text << share;
+    }
+  }
+}
+
+TEST(HearingFigures, CriticalValuesAreWhereTheVerdictChanges) {
+  const PlatoonModel two = hearing_model(kTwoAhead),
+                     bursts = hearing_model(packet("{probability: 0.15, mean_burst: 4}"));
+  const std::vector<HeadwayInterval> intervals = stable_headways(two)->intervals;
+  ASSERT_FALSE(intervals.empty());
+  const double headway = intervals.front().from;
+  EXPECT_GT(headway, two.default_vehicle().headway);
+  EXPECT_TRUE(string_stability(with_headway(two, headway * (1.0 + 1e-6))).string_stable);
+  EXPECT_FALSE(string_stability(with_headway(two, headway * (1.0 - 1e-6))).string_stable);
+  EXPECT_FALSE(stable_headways(hearing_model(kPath)).has_value());
+  EXPECT_FALSE(stable_headways(bursts).has_value());
+  EXPECT_FALSE(stable_losses(bursts).has_value());
+  EXPECT_FALSE(critical_mean_burst(bursts).has_value());
+}
+
+}  // namespace
+}  // namespace platoon
