@@ -12,7 +12,7 @@ import numpy as np
 from inputs_reference import String, drawn
 from random_models import analysis_of, parsed
 
-FOLLOWERS, STEPS = 6, 40
+FOLLOWERS, STEPS = 6, 25
 CLOSE = 1e-9
 
 
@@ -50,6 +50,6 @@ def main():
 
 
 if __name__ == "__main__":
-    ARGUMENTS = parsed(__doc__, 6)
+    ARGUMENTS = parsed(__doc__, 3)
     ANALYZE = ARGUMENTS.analyze
     main()
