@@ -84,8 +84,9 @@ class Kept:
 class ChangingModels(FolderTest):
     def test_radios_come_and_go_recorded_or_not_and_every_run_has_its_bits(self):
         kept = Kept(self.addCleanup, self.folder, 6, 3)
-        paper, cacc, lossy, _, _, radios = kept.models
-        for model, recorded in ((paper, False), (cacc, True), (lossy, True), (radios, False), (paper, True), (radios, True), (cacc, False)):
+        paper, cacc, lossy, _, _, path, two_ahead, radios = kept.models
+        for model, recorded in ((paper, False), (cacc, True), (path, True), (lossy, True), (two_ahead, False), (radios, False), (path, False),
+                                (paper, True), (radios, True), (cacc, False)):
             kept.run(model, recorded)
 
     def test_the_links_of_a_radio_are_up_before_the_run_that_needs_them(self):

@@ -36,9 +36,9 @@ Follower::Follower(ros::NodeHandle platoon, const std::optional<Configuration>& 
       position_(platoon.advertise<Position>(position_topic(index), kUnboundedQueue)) {
   if (kept_) {
     advertise_input();
-    stream_of(predecessor_position_topic(index));
     stream_of(predecessor_input_topic(index));
   }
+  if (kept_ || !present) stream_of(predecessor_position_topic(index));
   if (present) membership_.join(*present);
   for (const auto& [topic, stream] : streams_) sources_.push_back(&stream.input.counter());
   // Last: the receiving thread may call back before the constructor returns.
