@@ -20,17 +20,19 @@ from __future__ import annotations
 import heapq
 import math
 import time
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _platoon
 from .model import Model, handle_of
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Quadratic = Tuple[Array, Array, Array]  # c + b x + x' A x: arrays (..., ), (..., 2), (..., 3) for xx, xy, yy
+if TYPE_CHECKING:  # numpy.typing is younger than the NumPy of Debian 11
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Complex = NDArray[np.complex128]
+    Quadratic = Tuple[Array, Array, Array]  # c + b x + x' A x: arrays (..., ), (..., 2), (..., 3) for xx, xy, yy
 
 TOLERANCE = 0.005  # relative distance between bound and goal at which a box is not divided further
 ROUNDING = 1e-9

@@ -6,14 +6,17 @@ import json
 import math
 import os
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .bounds import MAXIMA, MEAN, lower_bound
 from .model import Model, PathLike
 from .simulation import monte_carlo, run_settings
-from .tuning_problem import Array, Condition, Constraint, Figure, Point, Problem, Progress, box_of
+from .tuning_problem import Condition, Constraint, Figure, Point, Problem, Progress, box_of
+
+if TYPE_CHECKING:
+    from .tuning_problem import Array
 
 FEASIBLE = 1e-7  # relative distance that the search keeps from a bound
 BINDING = 1e-4  # relative distance at which a bound counts as reached

@@ -6,15 +6,18 @@ import math
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _platoon
 from .model import Model, handle_of
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:  # numpy.typing is younger than the NumPy of Debian 11
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
 Figure = Union[float, bool, None]
 Condition = Union[bool, float, Sequence[Optional[float]]]
 Progress = Callable[[str, int, float], None]
