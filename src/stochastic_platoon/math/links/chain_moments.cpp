@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -26,14 +25,6 @@ using Vector = ExtendedVector;
 
 Vector filled(const MeanVehicle::Sequence& values) {
   return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-bool hears_inputs(const PlatoonModel& model) {
-  const std::vector<VehicleModel> vehicles = pattern(model);
-  return std::any_of(vehicles.begin(), vehicles.end(), [](const VehicleModel& of) {
-    return std::any_of(of.inputs.begin(), of.inputs.end(),
-                       [](const Input& input) { return input.signal == InputSignal::input; });
-  });
 }
 
 /// An input of a follower up to its losses: what it carries, delay and noise.
@@ -331,7 +322,7 @@ ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t follower
   Motion leader =
       leader_motion(start_slope(model) != 0.0 ? in_moving_frame(model) : model, static_cast<std::size_t>(steps));
   leader.input.resize(leader.position.size(), 0.0L);
-  const Eigen::Index blocks = hears_inputs(model) ? 2 : 1;
+  const Eigen::Index blocks = has_radios(model) ? 2 : 1;
   Ahead ahead{{}, {Vector(0), Matrix(0, 0)}};
   ErrorMoments errors{steps, followers, {}, {}};
   for (std::size_t i = 1; i <= followers; ++i) {
@@ -357,7 +348,7 @@ std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers, 
   constexpr double kMostCells = 1e8, kMostSteps = 2000.0;  // followers x steps^2, and steps
   std::size_t most_inputs = 1;
   for (const VehicleModel& of : pattern(model)) most_inputs = std::max(most_inputs, of.inputs.size());
-  const std::size_t blocks = farthest_ahead(model) * (hears_inputs(model) ? 2 : 1);
+  const std::size_t blocks = farthest_ahead(model) * (has_radios(model) ? 2 : 1);
   const double most = std::min(kMostSteps, std::sqrt(share_of_time * kMostCells / static_cast<double>(followers)));
   return static_cast<std::int64_t>(most / static_cast<double>(std::max(most_inputs, blocks)));
 }
