@@ -84,6 +84,8 @@ class Installed(unittest.TestCase):
         self.assertIn(self.folder + "/install/share/stochastic_platoon/config/paper.yaml", report)
         figures = self.installed("rosrun stochastic_platoon plot gain analysis.json --output gain")
         self.assertEqual(figures, "gain.png\ngain.svg\n")
+        figures = self.installed("rosrun stochastic_platoon plot gain {} --output gains.pdf".format("analysis.json " * 6))
+        self.assertEqual(figures, "gains.pdf\n")
 
     def test_the_python_module_is_installed_and_finds_the_installed_models(self):
         program = ("import stochastic_platoon as sp, stochastic_platoon._platoon as core; print(sp.__file__); "

@@ -2,6 +2,7 @@
 """Models and theory of the Python module against the programs: the same numbers and messages; NumPy arrays."""
 
 import json
+import math
 import pickle
 import unittest
 
@@ -115,6 +116,13 @@ class Theory(ModuleTest):
             self.assertIn(analysis.report, report)
             self.assertEqual(analysis.variance.shape, (5, 40))
             self.assertEqual(analysis.string_stable, expected["string_stable"])
+
+    def test_the_theory_of_some_keys_is_that_of_all(self):
+        model = sp.Model.load("two_ahead.yaml")
+        some = sp.analyze(model, keys=["peak_gain", "gain_along_string"])
+        self.assertAlmostEqual(max(some.numbers("gain_along_string.gain")), some.number("peak_gain"), places=12)
+        self.assertEqual(some.number("peak_gain"), sp.analyze(model).number("peak_gain"))
+        self.assertTrue(math.isnan(some.critical_headway))
 
     def test_keys_may_be_nested_and_are_named_if_missing(self):
         analysis = sp.analyze(sp.Model.load())

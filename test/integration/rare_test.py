@@ -75,6 +75,9 @@ class Rare(RareTest):
             "placed": (self.model(name="p.yaml", standstill_distance=2.0, initial_position=start), 0.6),
             "mixed": (self.write("m.yaml", json.dumps(mixed)), None),
             "radio": (self.model("cacc.yaml", name="r.yaml", leader={"speed": [{"from_step": 0, "value": 0.0}]}), None),
+            "two_ahead": (self.model("two_ahead.yaml", name="t.yaml", vehicle_types={"near": {"time_headway": 6}},
+                                     string=["default", "near"]), None),
+            "leader": (self.model("leader_and_predecessor.yaml", name="l.yaml", initial_position=start), None),
         }
         options = dict(followers=4, steps=60, seed=3)
         for name, (model, below) in cases.items():
@@ -87,6 +90,7 @@ class Rare(RareTest):
                     means, variances = gap["mean"], gap["variance"]
                     below = min(min(row) for row in means) - 0.5 * math.sqrt(max(max(row) for row in variances))
                 rows = self.estimate(name, model, below=below, realizations=4000, **options)
+                self.assertEqual(self.document(name)["method"], "condition")
                 measured = self.measured(name, model, below, realizations=100000, **options)
                 for i, (share, error) in enumerate(measured, 1):
                     row = rows[str(i)]

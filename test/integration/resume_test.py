@@ -2,6 +2,9 @@
 """A run that is interrupted, finished or killed goes on with resume:=true; the averages of an endless run outlive kills."""
 
 import glob
+import signal
+import subprocess
+import time
 import unittest
 
 from stochastic_platoon.msg import Overview
@@ -39,6 +42,21 @@ class StopAndResume(LaunchTest):
         self.run_to_the_end(realizations=100, **self.SETTINGS)
         before = live_platoon.statistics(self.output)
         self.run_to_the_end(realizations=100, resume="true", **self.SETTINGS)
+        self.assertEqual(live_platoon.statistics(self.output), before)
+
+    def test_a_monitor_that_is_started_after_the_end_and_stopped_at_once_leaves_the_run_complete(self):
+        """As roslaunch does with one that was killed just after it had written its results."""
+        self.run_to_the_end(realizations=100, **self.SETTINGS)
+        before, ends = live_platoon.statistics(self.output), []
+        for delay in range(30, 120, 6):  # ms; the first tick follows the first answers of the master
+            monitor = subprocess.Popen([live_platoon.executable("monitor"), "__ns:=platoon", "__name:=monitor"], stdout=subprocess.PIPE,
+                                       stderr=subprocess.STDOUT, text=True)
+            time.sleep(0.001 * delay)
+            monitor.send_signal(signal.SIGINT)
+            ends.append(monitor.communicate(timeout=30)[0])
+            self.assertTrue(live_platoon.summary_of(self.output)["complete"], ends[-1])
+            self.assertNotIn("To continue", ends[-1])
+        self.assertTrue(any("Results: " in text for text in ends))
         self.assertEqual(live_platoon.statistics(self.output), before)
 
 

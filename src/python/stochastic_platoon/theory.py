@@ -128,15 +128,16 @@ class Analysis(Mapping[str, Any]):
 
 
 def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, signals: Iterable[str] = (),
-            collision_probability: Optional[float] = None, burn_in: Optional[int] = None) -> Analysis:
+            collision_probability: Optional[float] = None, burn_in: Optional[int] = None, keys: Iterable[str] = ()) -> Analysis:
     """The theory of a platoon of `followers` over `steps` (10 s of driving by default).
 
     `signals`: gap, speed, acceleration, jerk, input. `collision_probability`: per step; adds collisions, and the standstill distance that
-    satisfies it. `burn_in`: steps that the amplification leaves out. Raises ValueError with all problems of the settings.
+    satisfies it. `burn_in`: steps that the amplification leaves out. `keys`: those of the JSON document that are needed, without a report;
+    others are then null, empty or missing (default: all). Raises ValueError with all problems of the settings.
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
     probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
-    document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability, set())
+    document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability, set(keys))
     return Analysis(document, "analysis", report)
 
 

@@ -1,4 +1,5 @@
-"""The gain |T(e^{jw})| from a vehicle to its follower, and the line |T| = 1 that bounds it for string stability."""
+"""The gain along the string over the frequency, and the line 1 below which it must stay for string stability: |T(e^{jw})| of the mean
+response over one pattern, or the spectral radius of the companion matrix of vehicles that hear several ahead."""
 
 from __future__ import annotations
 
@@ -6,52 +7,88 @@ from typing import Sequence, Tuple
 
 import numpy as np
 import stochastic_platoon as sp
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from plotting import style
 from plotting.values import Array, drawable, drawable_numbers
 
 HIGHEST = 100.0  # top of the axis; a loop near instability has a higher peak
+MOST_TOGETHER = 3  # analyses in one panel; more get one each
+COLUMNS = 5
+SHOWN = (0.01, 50.0)  # [rad/s], what cars do
 
 
-def transfer_of(analysis: sp.Analysis) -> Tuple[Array, Array]:
-    """Numerator and denominator of T: coefficients in descending powers of z."""
-    numerator, denominator = (drawable_numbers(analysis, "transfer." + key) for key in ("numerator", "denominator"))
-    if not np.isfinite(np.concatenate((numerator, denominator))).all() or not denominator.any():
-        raise ValueError("{}: transfer must hold finite coefficients, and a denominator that is not zero".format(analysis.path))
-    return numerator, denominator
+def curve_of(analysis: sp.Analysis) -> Tuple[Array, Array]:
+    """Frequencies [rad/sample] and gains."""
+    frequency, gain = (drawable_numbers(analysis, "gain_along_string." + key) for key in ("frequency", "gain"))
+    if frequency.size != gain.size:
+        raise ValueError("{}: gain_along_string must have as many gains as frequencies".format(analysis.path))
+    return frequency, gain
 
 
-def gain(numerator: Array, denominator: Array, frequency: Array) -> Array:
-    z = np.exp(1j * frequency)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.abs(np.polyval(numerator, z) / np.polyval(denominator, z)))
+def peak_of(analysis: sp.Analysis) -> Tuple[float, float]:
+    """Frequency [rad/sample] and height; NaN where the loop is unstable."""
+    where, height = (float(drawable(np.array(analysis.number(key)))) for key in ("peak_frequency", "peak_gain"))
+    return where, height
+
+
+def draw_limit(axes: Axes, top: float) -> None:
+    axes.axhline(1.0, color=style.INK, linewidth=0.9, linestyle=style.DASHED)
+    axes.axhspan(1.0, top, color=style.BOUND, alpha=0.07, linewidth=0)
+    axes.set_ylim(0.0, top)
 
 
 def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
     names = style.names_of(titles, analyses)
+    if len(analyses) > MOST_TOGETHER:
+        return draw_each(analyses, names)
     figure, axes = style.new_figure(1, 1, 6.0, 3.8)
     axes = axes[0, 0]
-    frequency = np.linspace(0.0, np.pi, 4001)
     top = 1.0
     for at, (analysis, name) in enumerate(zip(analyses, names)):
-        numerator, denominator = transfer_of(analysis)
-        where, height = (float(drawable(np.array(analysis.number(key)))) for key in ("peak_frequency", "peak_gain"))
-        top = max(top, min(height, HIGHEST))
-        stable = np.all(np.abs(np.roots(denominator)) < 1.0)
-        axes.plot(frequency, gain(numerator, denominator, frequency), color=style.colour(at), linewidth=1.8,
-                  label=("{}: peak {:.4g} at $\\omega = {:.3g}$".format(name, height, where) if stable
+        frequency, gain = curve_of(analysis)
+        where, height = peak_of(analysis)
+        if np.isfinite(height):
+            top = max(top, min(height, HIGHEST))
+        axes.plot(frequency, gain, color=style.colour(at), linewidth=1.8,
+                  label=("{}: peak {:.4g} at $\\omega = {:.3g}$".format(name, height, where) if np.isfinite(height)
                          else "{}: the loop is unstable".format(name)))
         axes.plot([where], [height], style.marker(at), color=style.colour(at), markersize=6,
                   markeredgecolor="white", clip_on=False, zorder=5)
-    axes.axhline(1.0, color=style.INK, linewidth=0.9, linestyle=style.DASHED)
-    axes.axhspan(1.0, 1.15 * top, color=style.BOUND, alpha=0.07, linewidth=0)
+    draw_limit(axes, 1.15 * top)
     axes.text(0.99 * np.pi, 1.14 * top, "errors grow along the string", ha="right", va="top", color=style.BOUND)
-    axes.set_ylim(0.0, 1.15 * top)
     axes.set_xlim(0.0, np.pi)
     axes.set_xticks(np.linspace(0.0, np.pi, 5))
     axes.set_xticklabels(["0", "$\\pi/4$", "$\\pi/2$", "$3\\pi/4$", "$\\pi$"])
     axes.set_xlabel("frequency $\\omega$ [rad/sample]")
-    axes.set_ylabel("gain $|T(e^{j\\omega})|$")
+    axes.set_ylabel("gain along the string")
     axes.legend()
+    return figure
+
+
+def draw_each(analyses: Sequence[sp.Analysis], names: Sequence[str]) -> Figure:
+    """A panel for each analysis, with its verdict, over the frequency in rad/s."""
+    columns = min(COLUMNS, len(analyses))
+    rows = -(-len(analyses) // columns)
+    figure, axes = style.new_figure(rows, columns, 2.25 * columns, 2.0 * rows)
+    for unused in axes.flat[len(analyses):]:
+        unused.remove()
+    curves = [curve_of(analysis) for analysis in analyses]
+    top = min(HIGHEST, max(1.0, max(float(gain.max()) for _, gain in curves)))
+    for at, (panel, analysis, name, (frequency, gain)) in enumerate(zip(axes.flat, analyses, names, curves)):
+        where, height = peak_of(analysis)
+        good = analysis.string_stable is True
+        draw_limit(panel, 1.1 * top)
+        panel.plot(frequency / analysis.number("sample_period"), gain, color=style.colour(0) if good else style.BOUND, linewidth=1.6)
+        grows = ", peak {:.3f}".format(height) if not good and height > 1.0 else ""
+        panel.set_title("{}\n{}{}".format(name, style.verdict(analysis.string_stable), grows), fontsize=8.5,
+                        color=style.INK if good else style.BOUND)
+        panel.set_xscale("log")
+        panel.set_xlim(SHOWN)
+        panel.set_xticks([0.01, 0.1, 1.0, 10.0])
+        if at % columns == 0:
+            panel.set_ylabel("gain along\nthe string")
+        if at + columns >= len(analyses):
+            panel.set_xlabel("frequency [rad/s]")
     return figure

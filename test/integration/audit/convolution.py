@@ -7,6 +7,13 @@ from audit.followers import COMPLEX, LONG
 from audit.quadrature import NODES, PI, WEIGHTS, Panels, halved
 
 SIZE = len(NODES)
+MOST = 6000  # nodes of a kernel's matrices, which take 4 GB
+
+
+class Unresolved(Exception):
+    """Spectra that need more nodes than the memory allows."""
+
+
 BARYCENTRIC = np.array([1 / np.prod([a - b for b in NODES if b != a]) for a in NODES], LONG)
 
 
@@ -27,7 +34,7 @@ def interpolating(edges, functions, tolerance=1e-13):
     between the nodes, and on every panel, however little it adds to the mean; Gauss's nodes integrate twice the degree that they
     interpolate."""
     to_halves = interpolation(np.concatenate([NODES - 1, NODES + 1]) / 2).T
-    while len(edges) < 2000:
+    while SIZE * len(edges) < MOST:
         coarse, fine = functions(Panels(edges).circle), functions(Panels(halved(edges)).circle)
         split = np.zeros(len(edges) - 1, bool)
         for known, wanted in zip(coarse, fine):
@@ -35,9 +42,9 @@ def interpolating(edges, functions, tolerance=1e-13):
             missed = np.abs(known.reshape(-1, SIZE) @ to_halves - wanted).max(axis=1)
             split |= ~(missed <= tolerance * np.abs(wanted).max(axis=1))
         if not split.any():
-            break
+            return edges
         edges = halved(edges, split)
-    return edges
+    raise Unresolved("a kernel's spectra need more than %d nodes" % MOST)
 
 
 def kernel(angle, apart, size):
@@ -51,6 +58,8 @@ def kernel(angle, apart, size):
 def shifted(panels, apart, mu):
     """Matrices A, B with (1/2pi) int_0^pi f(nu) / (1 - mu e^{j (nu - w)}) dnu = A f, and B for e^{-j (nu + w)}; apart = 1 - mu."""
     edges, w = panels.edges, panels.circle.w
+    if len(w) > MOST:
+        raise Unresolved("a kernel's spectra need %d nodes" % len(w))
     turn = PI if mu < 0 else LONG(0)
     size, apart = abs(mu), 2 - apart if mu < 0 else apart
     octaves = apart * LONG(2) ** np.arange(-1, int(np.log2(float(8 / apart))) + 1)

@@ -10,11 +10,7 @@
 
 namespace platoon {
 
-namespace {
-
 using Complex = std::complex<long double>;
-
-}  // namespace
 
 HearingLoop::HearingLoop(const VehicleModel& vehicle, std::size_t follower, double sample_period)
     : headway_(0.0),
@@ -47,8 +43,7 @@ HearingLoop::Value HearingLoop::at(const CirclePoint& point) const {
                 own =
                     static_cast<long double>(speed_) * moved - static_cast<long double>(acceleration_) * moved * moved;
   const Complex closed = filter * open * of_controller + controller * plant * policy + own * plant * of_controller;
-  const auto rounded = [](const Complex& value) { return static_cast<std::complex<double>>(value); };
-  return {rounded(controller * plant / closed), rounded(plant * of_controller / closed), rounded(open / plant)};
+  return {controller * plant / closed, plant * of_controller / closed, open / plant};
 }
 
 std::vector<Complex> HearingLoop::poles() const {
@@ -87,14 +82,13 @@ HearingLoop::Open HearingLoop::opened() const {
   return open;
 }
 
-std::complex<double> sent_value(const Input& input, const CirclePoint& point, std::complex<double> of_source,
-                                double sample_period) {
+Complex sent_value(const Input& input, const CirclePoint& point, Complex of_source, double sample_period) {
   const Complex z = 1.0L + point.from_one(), moved = point.from_one() * std::conj(z) / Complex(sample_period);
   Complex value = power(std::conj(z), static_cast<std::size_t>(input.link.delay));
   if (input.signal == InputSignal::speed) value *= moved;
   if (input.signal == InputSignal::acceleration) value *= moved * moved;
-  if (input.signal == InputSignal::input) value *= Complex(of_source);
-  return static_cast<std::complex<double>>(value);
+  if (input.signal == InputSignal::input) value *= of_source;
+  return value;
 }
 
 }  // namespace platoon

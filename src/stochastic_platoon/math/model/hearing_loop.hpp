@@ -18,15 +18,17 @@ public:
   /// Throws std::invalid_argument for a vehicle without plant and controller.
   HearingLoop(const VehicleModel& vehicle, std::size_t follower, double sample_period);
 
+  using Complex = std::complex<long double>;
+
   /// The filters at one point of the unit circle.
   struct Value {
-    std::complex<double> of_position;  ///< from the weighted positions to the own one
-    std::complex<double> of_input;     ///< from the sum of all other signals, times their gains [s^2]
-    std::complex<double> sent;         ///< 1 / G: from the own position to the own control input
+    Complex of_position;  ///< from the weighted positions to the own one
+    Complex of_input;     ///< from the sum of all other signals, times their gains [s^2]
+    Complex sent;         ///< 1 / G: from the own position to the own control input
 
     /// N: from what the vehicle receives as this input to its own position.
-    std::complex<double> of(const Input& input) const {
-      return input.gain * (input.signal == InputSignal::position ? of_position : of_input);
+    Complex of(const Input& input) const {
+      return static_cast<long double>(input.gain) * (input.signal == InputSignal::position ? of_position : of_input);
     }
   };
   Value at(const CirclePoint& point) const;
@@ -53,7 +55,7 @@ private:
 
 /// z^-m S: from the position of the source of an input to what arrives of it without losses. `of_source`: 1 / G of the
 /// source, of control inputs.
-std::complex<double> sent_value(const Input& input, const CirclePoint& point, std::complex<double> of_source,
+HearingLoop::Complex sent_value(const Input& input, const CirclePoint& point, HearingLoop::Complex of_source,
                                 double sample_period);
 
 }  // namespace platoon

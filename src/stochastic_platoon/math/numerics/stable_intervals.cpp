@@ -25,8 +25,8 @@ struct Sample {
 
 class MarginCurve {
 public:
-  MarginCurve(const StabilityMargin& margin, const StabilityMargin& necessary)
-      : margin_(margin), necessary_(necessary) {}
+  MarginCurve(const StabilityMargin& margin, const StabilityMargin& necessary, double accuracy)
+      : margin_(margin), necessary_(necessary), accuracy_(accuracy) {}
 
   Sample at(double place) const {
     const double necessary = necessary_ ? necessary_(place) : std::numeric_limits<double>::infinity();
@@ -69,13 +69,13 @@ private:
     double place, margin;
   };
 
-  static double border_of(const StabilityMargin& margin, const End& stable, const End& unstable) {
+  double border_of(const StabilityMargin& margin, const End& stable, const End& unstable) const {
     // Zero and NaN count as unstable, so the solver does not stop at an exact root; infinity ends its interpolation.
     const auto signed_margin = [](double value) {
       if (!(value > 0.0 || value < 0.0)) return -std::numeric_limits<double>::min();
       return std::clamp(value, -kSteep, kSteep);
     };
-    const auto close = [](double from, double to) { return to - from <= 1e-12 * to; };
+    const auto close = [this](double from, double to) { return to - from <= accuracy_ * to; };
     std::uintmax_t evaluations = 200;
     const bool ascending = stable.place < unstable.place;
     const End &a = ascending ? stable : unstable, &b = ascending ? unstable : stable;
@@ -87,6 +87,7 @@ private:
 
   const StabilityMargin& margin_;
   const StabilityMargin& necessary_;
+  double accuracy_;
 };
 
 // The samples at `places`, plus one wherever the margin changes sign between two samples of the same sign.
@@ -113,8 +114,8 @@ std::vector<Sample> samples_of(const MarginCurve& curve, const std::vector<doubl
 }  // namespace
 
 std::vector<StableInterval> stable_intervals(const StabilityMargin& margin, const std::vector<double>& places,
-                                             const StabilityMargin& necessary) {
-  const MarginCurve curve(margin, necessary);
+                                             const StabilityMargin& necessary, double accuracy) {
+  const MarginCurve curve(margin, necessary, accuracy);
   const std::vector<Sample> samples = samples_of(curve, places);
   std::vector<StableInterval> intervals;
   for (std::size_t i = 0; i < samples.size(); ++i) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,7 +26,7 @@ public:
   double variance(std::size_t follower, std::size_t step) const { return moments_.variance[cell(follower, step)]; }
   const SignalMoments& moments() const { return moments_; }
 
-  /// C_i(k, tau) of followers 1, 2, ..., each steps x steps [m^2]. O(steps^2) per follower and place of the pattern.
+  /// C_i(k, tau) of followers 1, 2, ..., each steps x steps [m^2]. O(steps^2) per follower and source that differs.
   std::vector<Eigen::MatrixXd> covariances() const;
 
   /// f(k - l) of the gap of a follower at step k to the normal draw of this name, of step l [m].
@@ -35,16 +34,16 @@ public:
 
 private:
   using Row = std::vector<double>;
-  enum Kind { kPosition, kRadio, kStart, kKinds };
 
   std::size_t cell(std::size_t follower, std::size_t step) const { return (follower - 1) * steps_ + step; }
-  /// Of follower `from + behind` to a source of follower `from`; null if there is no such source.
-  const Row* row(Kind kind, std::size_t from, std::size_t behind) const;
+  /// The covariance of a follower's gaps that the sources of these followers cause.
+  Eigen::MatrixXd of_sources(std::size_t first, std::size_t last, std::size_t follower) const;
 
-  std::size_t followers_, steps_, period_;
+  std::size_t followers_, steps_, period_, alone_;
   SignalMoments moments_;
-  /// Per place of the pattern and kind of source, the responses of the vehicles behind; empty without this source.
-  std::vector<std::array<std::vector<Row>, kKinds>> rows_;
+  /// Per follower whose sources differ, of its initial position and of the noise on each of its inputs, the responses
+  /// of it and the vehicles behind it; empty without this source.
+  std::vector<std::vector<std::vector<Row>>> rows_;
 };
 
 }  // namespace platoon

@@ -26,7 +26,6 @@ double least_burst(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
-  if (!hears_predecessors_only(model)) return std::nullopt;
   const std::vector<std::string> types = types_with_default(model, &Inherited::mean_burst);
   const LinkModel& own = model.default_vehicle().varied_link();
   if (!own.loses() || own.loss->markov || types.empty()) return std::nullopt;
@@ -41,7 +40,7 @@ std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
   for (int step = 1; step <= steps; ++step) {
     const double burst = least * std::pow(found.to / least, step / steps);
     if (!is_stable(burst)) {
-      found.critical = stable_intervals(margins.losses, {before, burst}, margins.gain).front().to;
+      found.critical = margins.intervals({before, burst}).front().to;
       break;
     }
     before = burst;

@@ -21,7 +21,7 @@ struct CriticalBurst {
 
 /// Samples the mean burst from the smallest one to 200 steps in ratios of 1.5 at most, up to the first unstable
 /// sample, and bisects there. A stretch is missed only if it lies between two samples. None if the default link loses
-/// nothing or by the states of a chain, if no vehicle of the string uses it, or in a string with radios.
+/// nothing or by the states of a chain, or if no vehicle of the string uses it.
 std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model);
 
 }  // namespace platoon

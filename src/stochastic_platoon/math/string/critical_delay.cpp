@@ -8,11 +8,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "stochastic_platoon/math/links/linked_pattern.hpp"
-#include "stochastic_platoon/math/model/exact_transfer.hpp"
-#include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
+#include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {
 
@@ -22,48 +21,44 @@ using Complex = std::complex<long double>;
 
 constexpr long double kHalfTurn = boost::math::constants::pi<long double>();
 
+bool is_of_radio(const Input& input) {
+  return input.ahead == 1 && input.signal != InputSignal::position;
+}
+
 /// The smallest delay of the radio, from one step on, at which |T^| = 1 at a frequency.
 class DelayAtFrequency {
 public:
-  explicit DelayAtFrequency(const VehicleModel& vehicle)
-      : filtered_(vehicle.design->headway_filter),
-        headway_(vehicle.headway),
-        gain_(vehicle.radio()->gain),
-        position_delay_(static_cast<long double>(vehicle.position().link.delay)) {
-    const ExactTransfer &plant = vehicle.design->plant.exact(), &controller = vehicle.design->controller.exact();
-    ExactPolynomial denominator = multiply(plant.denominator, controller.denominator);
-    if (vehicle.design->divide_by_one_plus_headway) {
-      for (Exact& coefficient : denominator) coefficient *= Exact(1) + Exact(vehicle.headway);
+  explicit DelayAtFrequency(const PlatoonModel& model)
+      : vehicle_(model.default_vehicle()), period_(model.sample_period), loop_(vehicle_, 2, model.sample_period) {
+    for (Input& input : vehicle_.inputs) {
+      if (is_of_radio(input)) input.link.delay = 1;
     }
-    numerator_ = rounded_delta(multiply(plant.numerator, controller.numerator));
-    denominator_ = rounded_delta(denominator);
-    delay_ = static_cast<long double>(plant.delay + controller.delay);
   }
 
   /// Infinite if no delay makes |T^| = 1 there.
   double operator()(double frequency) const {
     const CirclePoint point(frequency);
-    const long double w = frequency;
-    const Complex s = point.from_one();
-    const Complex policy = Complex(1.0L + headway_) - headway_ * std::conj(1.0L + s);
-    const Complex n = evaluate(numerator_, s) * std::polar(1.0L, -delay_ * w), d = evaluate(denominator_, s);
-    const long double closed = filtered_ ? std::norm(policy * (d + n)) : std::norm(d + policy * n);
-    const long double of_radio = gain_ * gain_ * std::norm(d);
-    const long double cosine = (closed - std::norm(n) - of_radio) / (2.0L * std::sqrt(of_radio * std::norm(n)));
+    const HearingLoop::Value value = loop_.at(point);
+    Complex steady = 0.0L, radio = 0.0L;  // A, and B / z
+    for (const Input& input : vehicle_.inputs) {
+      if (input.ahead == 1)
+        (is_of_radio(input) ? radio : steady) += value.of(input) * sent_value(input, point, value.sent, period_);
+    }
+    const long double of_steady = std::norm(steady), of_radio = std::norm(radio);
+    const long double cosine = (1.0L - of_steady - of_radio) / (2.0L * std::sqrt(of_radio * of_steady));
     if (!(cosine < 1.0L)) return kInfinity;
     const long double half =
         cosine <= -1.0L ? kHalfTurn : std::acos(cosine);  // |T^| > 1 while the angle is within +-half
-    const long double angle = std::remainder(
-        std::arg(n / d) - (gain_ < 0.0L ? kHalfTurn : 0.0L) + (1.0L - position_delay_) * w, 2.0L * kHalfTurn);
+    const long double angle = std::arg(steady * std::conj(radio));
     if (std::abs(angle) <= half) return 1.0;
     const long double turn = angle < -half ? -half - angle : 2.0L * kHalfTurn - half - angle;
-    return static_cast<double>(1.0L + turn / w);
+    return static_cast<double>(1.0L + turn / frequency);
   }
 
 private:
-  bool filtered_;
-  long double headway_, gain_, position_delay_, delay_;
-  CirclePolynomial numerator_, denominator_;
+  VehicleModel vehicle_;
+  double period_;
+  HearingLoop loop_;
 };
 
 /// Ascending frequencies: several per turn of the longest delay of interest, and dense towards w = 0.
@@ -97,19 +92,32 @@ double smallest_delay(const DelayAtFrequency& delay_at) {
 
 }  // namespace
 
+bool hears_by_radio(const PlatoonModel& model) {
+  return std::any_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
+    const std::vector<Input>& inputs = type.vehicle.inputs;
+    return std::any_of(inputs.begin(), inputs.end(), is_of_radio);
+  });
+}
+
 std::optional<double> critical_delay(const PlatoonModel& model) {
   const VehicleModel& own = model.default_vehicle();
-  if (!is_homogeneous(model) || own.radio() == nullptr || own.radio()->gain == 0.0 || !own.design) return std::nullopt;
-  const LinkedPattern pattern(model);
-  if (pattern.has_losses() || !pattern.mean_square_stable()) return std::nullopt;
-  const auto is_stable = [&](double delay) {
-    PlatoonModel delayed = model;
-    delayed.default_vehicle().radio()->link.delay = static_cast<std::int64_t>(delay);
-    return LinkedPattern(delayed, pattern).gain_margin() > 0.0;
-  };
+  if (!is_homogeneous(model) || farthest_ahead(model) > 1 || !own.design) return std::nullopt;
+  const auto sounds = [](const Input& input) { return is_of_radio(input) && input.gain != 0.0; };
+  if (std::none_of(own.inputs.begin(), own.inputs.end(), sounds)) return std::nullopt;
+  if (any_link(model, [](const LinkModel& link) { return link.loses(); })) return std::nullopt;
+  const VariedMargins margins = varied_margins(
+      [&model](double delay) {
+        PlatoonModel delayed = model;
+        for (Input& input : delayed.default_vehicle().inputs) {
+          if (is_of_radio(input)) input.link.delay = static_cast<std::int64_t>(delay);
+        }
+        return delayed;
+      },
+      1.0);
+  const auto is_stable = [&](double delay) { return margins.gain(delay) > 0.0; };
   if (!is_stable(1.0)) return std::nullopt;
   constexpr double kConfirmed = 128.0;  // the exact verdict takes the cube of the delay
-  const double found = smallest_delay(DelayAtFrequency(own)), whole = std::floor(found);
+  const double found = smallest_delay(DelayAtFrequency(model)), whole = std::floor(found);
   if (!(found <= kLongestCriticalDelay)) return std::nullopt;
   if (whole < kConfirmed && (!is_stable(whole) || is_stable(whole + 1.0))) return std::nullopt;
   return found;

@@ -48,7 +48,7 @@ HeadwayRange headways_about(double headway) {
 }
 
 StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range,
-                               const StabilityMargin& necessary) {
+                               const StabilityMargin& necessary, double accuracy) {
   if (!(range.from > 0.0 && range.from < range.to && std::isfinite(range.to))) {
     throw std::invalid_argument("headway range: " + std::to_string(range.from) + " to " + std::to_string(range.to) +
                                 ": must be 0 < from < to, finite");
@@ -57,7 +57,7 @@ StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange
     throw std::invalid_argument("samples: " + std::to_string(range.samples) + ": must be >= 2");
   }
   const std::vector<double> samples = samples_of(range);
-  StableHeadways result{stable_intervals(margin, samples, necessary), {}, range, {}};
+  StableHeadways result{stable_intervals(margin, samples, necessary, accuracy), {}, range, {}};
   if (!result.intervals.empty() && result.intervals.back().to == samples.back())
     result.critical = result.intervals.back().from;
   return result;
@@ -70,7 +70,6 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   });
   if (!designed || types.empty() || model.default_vehicle().constant_spacing) return std::nullopt;
   const bool plain = hears_predecessors_only(model);
-  if (!plain && any_link(model, [](const LinkModel& link) { return link.loses(); })) return std::nullopt;
   const double own = model.default_vehicle().headway;
   const VariedMargins margins = varied_margins([&model](double headway) { return with_headway(model, headway); }, own);
   HeadwayRange range = headways_about(own);
@@ -79,7 +78,7 @@ std::optional<StableHeadways> stable_headways(const PlatoonModel& model) {
   } else if (is_monotone(model)) {
     range.samples = 8;  // for the search of the one end
   }
-  StableHeadways found = stable_headways(margins.losses, range, margins.gain);
+  StableHeadways found = stable_headways(margins.losses, range, margins.gain, margins.accuracy);
   found.types = types;
   return found;
 }

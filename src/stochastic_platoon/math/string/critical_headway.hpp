@@ -25,7 +25,7 @@ using HeadwayInterval = StableInterval;
 
 /// Headways within a range that make the platoon string stable.
 struct StableHeadways {
-  std::vector<HeadwayInterval> intervals;  ///< in ascending order; ends to 1e-12 relative
+  std::vector<HeadwayInterval> intervals;  ///< in ascending order
   std::optional<double> critical;          ///< every h from here to the end of the range is stable; empty if none
   HeadwayRange searched;
   std::vector<std::string> types = {};  ///< vehicle types of the platoon with varied headway
@@ -36,12 +36,11 @@ struct StableHeadways {
 /// changing sign, and bisects every change of sign. A stable or unstable stretch is missed only if the margin turns
 /// more than once between two samples. Throws std::invalid_argument unless 0 < from < to and samples >= 2.
 StableHeadways stable_headways(const StabilityMargin& margin, const HeadwayRange& range = {},
-                               const StabilityMargin& necessary = {});
+                               const StabilityMargin& necessary = {}, double accuracy = 1e-12);
 
 /// Stable headways of the default vehicle and of the types that inherit its headway, in the range about the model's
 /// own. None if one of these has a given closed loop, which fits one headway only, or if the string contains none of
-/// them, with constant spacing, and over links that lose to vehicles that hear others than their predecessor. Throws
-/// std::invalid_argument for a model without theory: see no_theory().
+/// them, and with constant spacing. Throws std::invalid_argument for a model without theory: see no_theory().
 std::optional<StableHeadways> stable_headways(const PlatoonModel& model);
 
 }  // namespace platoon

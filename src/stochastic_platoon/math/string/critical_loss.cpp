@@ -48,13 +48,13 @@ double largest_probability(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
-  if (!hears_predecessors_only(given)) return std::nullopt;
   const std::optional<LossModel>& own_loss = given.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return std::nullopt;
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
-  const int stride = given.default_vehicle().varied_link().loss ? 1 : 5;  // in hundredths
+  // In hundredths. Where others than predecessors are heard, each sample takes a verdict of the whole string.
+  const int stride = given.default_vehicle().varied_link().loss && hears_predecessors_only(given) ? 1 : 5;
   const bool bursts = has_bursts(model);
   const double largest = bursts ? largest_probability(model) : 0.99;
   std::vector<double> samples;
@@ -69,7 +69,7 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
         return bursts ? with_loss_in_bursts(model, probability) : with_loss(model, probability);
       },
       own);
-  losses.intervals = stable_intervals(margins.losses, samples, margins.gain);
+  losses.intervals = margins.intervals(samples);
   if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
   if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;
   return losses;

@@ -21,7 +21,8 @@ struct StableLosses {
 };
 
 /// Links without a loss stage hold the last received position. None if no vehicle of the string uses the default link.
-/// The probability is sampled at multiples of 0.01, or of 0.05 without a loss stage, and at its present value; see
+/// The probability is sampled at multiples of 0.01, or of 0.05 without a loss stage or where vehicles hear others than
+/// their predecessor, and at its present value; see
 /// stable_intervals(). Losses in bursts keep their mean burst b, which the chain has for probabilities up to b / (1 +
 /// b). Throws as string_stability() does.
 std::optional<StableLosses> stable_losses(const PlatoonModel& given);

@@ -36,11 +36,10 @@ double HearingGain::operator()(double w) const {
       const Input& input = own.inputs[j];
       const std::size_t source = source_of(input, follower);
       if (source == 0) continue;
-      const std::complex<double> of_source =
-          input.signal == InputSignal::input ? loops_[(source - 1) % period_].at(point).sent : 0.0;
-      companion(0, static_cast<Eigen::Index>(follower - source) - 1) +=
-          value.of(input) * sent_value(input, point, of_source, model_.sample_period) *
-          static_cast<std::complex<double>>(losses_[p][j].at(point).passed);
+      const HearingLoop::Complex of_source =
+          input.signal == InputSignal::input ? loops_[(source - 1) % period_].at(point).sent : 0.0L;
+      companion(0, static_cast<Eigen::Index>(follower - source) - 1) += static_cast<std::complex<double>>(
+          value.of(input) * sent_value(input, point, of_source, model_.sample_period) * losses_[p][j].at(point).passed);
     }
     product = companion * product;
   }

@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/krylov.hpp"
 
 namespace platoon {
 
 namespace {
 
 using Window = HearingSpectra::Window;
+constexpr double kShareOfDistance = 0.01;  // of a loss gain from 1, to which it is computed where its side of 1 counts
+
 using SpectralMatrix = std::vector<std::vector<Eigen::ArrayXcd>>;  // entries per frequency
 
 SpectralMatrix product(const SpectralMatrix& a, const SpectralMatrix& b) {
@@ -53,27 +56,38 @@ public:
     // Whole patterns later, so that first_ begins one.
     while ((first_ - 1) % period_ != 0) ++first_;
     const Window nothing = spectra.nothing();
-    product_ = nothing;
-    for (std::size_t j = 0; j < product_.size(); ++j) product_[j][j].setOnes();
+    SpectralMatrix product_of_all = nothing;
+    for (std::size_t j = 0; j < product_of_all.size(); ++j) product_of_all[j][j].setOnes();
     for (std::size_t p = 0; p < period_; ++p) {
       SpectralMatrix companion = nothing;
       companion[0] = spectra.transfers(first_ + p);
       for (std::size_t j = 1; j < companion.size(); ++j) companion[j][j - 1].setOnes();
-      product_ = product(companion, product_);
+      product_of_all = product(companion, product_of_all);
+    }
+    const Eigen::ArrayXd zero = Eigen::ArrayXd::Zero(nothing[0][0].size());
+    for (std::size_t p = 0; p < period_; ++p) {
+      Window once = nothing;
+      for (std::size_t q = 0; q < period_; ++q) spectra.advance(first_ + q, q == p ? zero + 1.0 : zero, once);
+      of_one_.push_back(std::move(once));
+    }
+    SpectralMatrix power = std::move(product_of_all);
+    for (int doubling = 0; doubling < 60 && size_of(power) > 1e-20; ++doubling) {
+      check_interruption();
+      const SpectralMatrix turned = adjoint(power);
+      for (Window& window : of_one_) add_to(window, product(product(power, window), turned));
+      power = product(power, power);
     }
   }
 
-  /// The window in front of the first place: X = M X M* + Q, by doubling.
+  /// The window in front of the first place: X = M X M* + Q, linear in what each place adds.
   Window in_front(const std::vector<Eigen::ArrayXd>& added) const {
-    Window once = spectra_.nothing();
-    for (std::size_t p = 0; p < period_; ++p) spectra_.advance(first_ + p, added[p], once);
-    SpectralMatrix power = product_;
-    for (int doubling = 0; doubling < 60 && size_of(power) > 1e-20; ++doubling) {
-      check_interruption();
-      add_to(once, product(product(power, once), adjoint(power)));
-      power = product(power, power);
+    Window window = spectra_.nothing();
+    for (std::size_t p = 0; p < period_; ++p) {
+      for (std::size_t i = 0; i < window.size(); ++i) {
+        for (std::size_t j = 0; j < window.size(); ++j) window[i][j] += added[p] * of_one_[p][i][j];
+      }
     }
-    return once;
+    return window;
   }
 
   /// The variances at the places, and the spectra that each adds behind this window.
@@ -96,49 +110,67 @@ public:
 private:
   const HearingSpectra& spectra_;
   std::size_t period_, first_;
-  SpectralMatrix product_;
+  std::vector<Window> of_one_;  ///< in front, if a place alone adds 1; by doubling
 };
 
-/// The largest factor by which what losses add grows from one round of the string to the next, by power iteration.
-double loss_gain_of(const EndlessString& string, const std::vector<Eigen::ArrayXd>& noise) {
-  constexpr int kMostRounds = 300;
-  std::vector<Eigen::ArrayXd> added(noise.size(), Eigen::ArrayXd::Ones(noise.front().size())), next = added;
-  double gain = 0.0;
-  for (int round = 0; round < kMostRounds; ++round) {
-    string.pass(string.in_front(added), added, next);
-    double size = 0.0;
-    for (std::size_t p = 0; p < next.size(); ++p) {
-      next[p] -= noise[p];
-      size = std::max(size, next[p].abs().maxCoeff());
-    }
-    if (!(size > 0.0) || !std::isfinite(size)) return size;
-    for (std::size_t p = 0; p < next.size(); ++p) added[p] = next[p] / size;
-    if (round > 0 && std::abs(size - gain) <= 1e-11 * size) return size;
-    gain = size;
+/// What losses add behind given added spectra of all places, as one vector: a map whose spectral radius is the loss
+/// gain.
+class LossRound {
+public:
+  explicit LossRound(const EndlessString& string) : string_(string), noise_(string.of_noise()) {}
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(noise_.size()) * noise_.front().size(); }
+
+  Eigen::VectorXd operator()(const Eigen::VectorXd& added) const {
+    std::vector<Eigen::ArrayXd> next = noise_;
+    variances(added, next);
+    for (std::size_t p = 0; p < next.size(); ++p) next[p] -= noise_[p];
+    return joined(next);
   }
-  return gain;
-}
+
+  /// The variances of the tracking errors at the places.
+  std::vector<double> variances(const Eigen::VectorXd& added) const {
+    std::vector<Eigen::ArrayXd> next = noise_;
+    return variances(added, next);
+  }
+
+  Eigen::VectorXd noise() const { return joined(noise_); }
+
+private:
+  std::vector<double> variances(const Eigen::VectorXd& added, std::vector<Eigen::ArrayXd>& next) const {
+    std::vector<Eigen::ArrayXd> at_places;
+    for (std::size_t p = 0; p < noise_.size(); ++p)
+      at_places.emplace_back(added.segment(static_cast<Eigen::Index>(p) * noise_[p].size(), noise_[p].size()));
+    return string_.pass(string_.in_front(at_places), at_places, next);
+  }
+
+  Eigen::VectorXd joined(const std::vector<Eigen::ArrayXd>& spectra) const {
+    Eigen::VectorXd all(size());
+    for (std::size_t p = 0; p < spectra.size(); ++p)
+      all.segment(static_cast<Eigen::Index>(p) * spectra[p].size(), spectra[p].size()) = spectra[p];
+    return all;
+  }
+
+  const EndlessString& string_;
+  std::vector<Eigen::ArrayXd> noise_;
+};
 
 }  // namespace
 
-HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {
-  constexpr int kMostRounds = 3000;
+LossGain hearing_loss_gain(const HearingSpectra& spectra, std::size_t period) {
   const EndlessString string(spectra, period);
-  const std::vector<Eigen::ArrayXd> noise = string.of_noise();
-  std::vector<Eigen::ArrayXd> added = noise, next = noise;
-  if (!loses) return {string.pass(string.in_front(added), added, next), 0.0};
-  HearingLimit limit{std::vector<double>(period, 0.0), loss_gain_of(string, noise)};
-  for (int round = 0; round < kMostRounds && limit.loss_gain < 1.0; ++round) {
-    limit.variances = string.pass(string.in_front(added), added, next);
-    double change = 0.0, largest = 0.0;
-    for (std::size_t p = 0; p < period; ++p) {
-      change = std::max(change, (next[p] - added[p]).abs().maxCoeff());
-      largest = std::max(largest, next[p].maxCoeff());
-    }
-    added = next;
-    if (change <= 1e-13 * largest) break;
-  }
-  return limit;
+  const LossRound round(string);
+  return {perron_root_beside_one(round, round.size(), kShareOfDistance),
+          round.variances(Eigen::VectorXd::Ones(round.size())).front()};
+}
+
+HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {
+  const EndlessString string(spectra, period);
+  const LossRound round(string);
+  if (!loses) return {round.variances(round.noise()), 0.0};
+  const double gain = perron_root(round, round.size());
+  if (gain >= 1.0) return {std::vector<double>(period, 0.0), gain};
+  return {round.variances(solve_one_minus(round, round.noise())), gain};
 }
 
 }  // namespace platoon

@@ -15,7 +15,14 @@ struct HearingLimit {
 
 /// The end of an endless string with a pattern of this length, whose companion matrices have a spectral radius below 1.
 /// At each frequency the cross spectra X in front of a pattern with the product M of its companion matrices satisfy X =
-/// M X M* + Q; losses are rounds of that equation.
+/// M X M* + Q. Losses add to Q a nonnegative map of it, the loss gain is its spectral radius.
 HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses);
+
+/// Its loss gain alone, on its exact side of 1, and the variance of the tracking error behind the first place if each
+/// place adds a spectrum of 1.
+struct LossGain {
+  double gain, variance;
+};
+LossGain hearing_loss_gain(const HearingSpectra& spectra, std::size_t period);
 
 }  // namespace platoon

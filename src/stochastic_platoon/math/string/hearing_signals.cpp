@@ -31,7 +31,7 @@ Filters filters_of(const Signal& signal, const PlatoonModel& model, std::size_t 
     const CirclePoint point(spectra.frequency(k));
     const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));
     filters.moved(k) = moved;
-    filters.own(k) = signal.is_input ? loop.at(point).sent
+    filters.own(k) = signal.is_input ? std::complex<double>(loop.at(point).sent)
                                      : (signal.order > 0 ? signal.factor * std::pow(moved, signal.order) : 0.0) -
                                            (signal.relative ? 1.0 : 0.0);
   }

@@ -75,9 +75,9 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
     const HearingLoop::Value value = loop.at(point);
     of.policy(k) = 1.0 + own.headway * moved;
     for (std::size_t j = 0; j < own.inputs.size(); ++j) {
-      const std::complex<double> of_source = sources[j] ? sources[j]->at(point).sent : 0.0;
-      of.inputs[j].own(k) = value.of(own.inputs[j]);
-      of.inputs[j].sent(k) = sent_value(own.inputs[j], point, of_source, period);
+      const HearingLoop::Complex of_source = sources[j] ? sources[j]->at(point).sent : 0.0L;
+      of.inputs[j].own(k) = std::complex<double>(value.of(own.inputs[j]));
+      of.inputs[j].sent(k) = std::complex<double>(sent_value(own.inputs[j], point, of_source, period));
       of.inputs[j].noise(k) = links[j].noise(point);
     }
   }

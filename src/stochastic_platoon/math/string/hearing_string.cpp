@@ -70,7 +70,7 @@ double lateness(const VehicleModel& own, const Input& input, double speed, doubl
 constexpr double kDoubt = 1e-9;
 constexpr double kLowFrequency = 1e-3;  // [rad/sample] where it is compared with 1
 
-void judge(const PlatoonModel& model, StringStability& verdict) {
+void judge(const PlatoonModel& model, StringStability& verdict) try {
   const HearingGain gain(model);
   const HearingGain::Peak peak = gain.peak();
   const std::string name = farthest_ahead(model) == 1 && is_homogeneous(model)
@@ -101,14 +101,12 @@ void judge(const PlatoonModel& model, StringStability& verdict) {
       limit.variances.push_back(limit.loss_gain);
       return limit.variances;
     });
-  } catch (const NarrowSpectra& narrow) {
-    verdict.undecided = true;
-    verdict.reason = std::string("undecided: ") + narrow.what() + " along an endless string";
-    return;
+    if (loses) verdict.loss_gain = limits.back();
+    limits.pop_back();
+  } catch (const NarrowSpectra&) {
+    // Near the border of stability the sign of a margin is known where its value, and the limit, are not.
   }
-  const double loss_gain = limits.back();
-  limits.pop_back();
-  if (loses) verdict.loss_gain = loss_gain;
+  const double loss_gain = verdict.loss_gain ? *verdict.loss_gain : 1.0 - hearing_loss_margin(model);
   if (loss_gain >= 1.0) {
     verdict.reason = formatted(
         "not string stable: the loss gain is %.6g, not below 1: the variance that losses add grows along the string",
@@ -116,23 +114,33 @@ void judge(const PlatoonModel& model, StringStability& verdict) {
     return;
   }
   verdict.string_stable = true;
-  verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
+  if (!limits.empty()) verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
   verdict.reason = formatted("string stable: rho(A) = %.9g is below 1 and %s is below 1 for all w > 0",
                              verdict.spectral_radius, name.c_str());
   if (loses) verdict.reason += formatted(", and the loss gain is %.6g, below 1", loss_gain);
+} catch (const NarrowSpectra& narrow) {
+  verdict.undecided = true;
+  verdict.reason = std::string("undecided: ") + narrow.what() + " along an endless string";
 }
 
 }  // namespace
 
+Settling to_all_digits() {
+  constexpr double kSettled = 1e-9;
+  return {[](const std::vector<double>& before, const std::vector<double>& now) {
+    return largest_change(before, now) <= kSettled;
+  }};
+}
+
 std::vector<double> settled_hearing(const PlatoonModel& model,
-                                    const std::function<std::vector<double>(const HearingSpectra&)>& values) {
-  constexpr std::size_t kFewest = 512, kMost = std::size_t{1} << 18;
-  constexpr double kSettled = 1e-9;  // of values whose error falls geometrically
+                                    const std::function<std::vector<double>(const HearingSpectra&)>& values,
+                                    const Settling& settling) {
+  constexpr std::size_t kFewest = 512;
   std::vector<double> coarse;
   for (std::size_t n = kFewest;; n *= 2) {
     std::vector<double> fine = values(HearingSpectra(model, n));
-    if (!coarse.empty() && largest_change(coarse, fine) <= kSettled) return fine;
-    if (n >= kMost) throw NarrowSpectra();
+    if (!coarse.empty() && settling.done(coarse, fine)) return fine;
+    if (n >= settling.most) throw NarrowSpectra();
     coarse.swap(fine);
   }
 }
@@ -197,6 +205,24 @@ double hearing_gain_margin(const PlatoonModel& model) {
   const HearingGain gain(model);
   const double beyond = gain.peak().gain - 1.0 - kDoubt;
   return beyond > 0.0 ? -beyond : (1.0 - gain(kLowFrequency)) / kLowFrequency - kDoubt;
+}
+
+double hearing_loss_margin(const PlatoonModel& model) {
+  require_theory(model);
+  if (!any_link(model, [](const LinkModel& link) { return link.loses(); })) return 1.0;
+  const std::size_t period = type_order(model).size();
+  // A variance shows a narrow peak of the string's gain. The sign of the margin is known before its value.
+  constexpr double kResolved = 1e-4, kCertain = 0.05;
+  constexpr std::size_t kMost = std::size_t{1} << 15;
+  const auto is_certain = [](const std::vector<double>& before, const std::vector<double>& now) {
+    return std::abs(now[0] - before[0]) <= kCertain * std::abs(1.0 - now[0]) &&
+           std::abs(now[1] - before[1]) <= kResolved * now[1];
+  };
+  const auto gain = [period](const HearingSpectra& spectra) {
+    const LossGain found = hearing_loss_gain(spectra, period);
+    return std::vector<double>{found.gain, found.variance};
+  };
+  return 1.0 - settled_hearing(model, gain, {is_certain, kMost}).front();
 }
 
 }  // namespace platoon

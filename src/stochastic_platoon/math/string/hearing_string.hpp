@@ -31,4 +31,9 @@ StringStability hearing_stability(const PlatoonModel& model);
 /// Positive exactly if the string is string stable without what losses add.
 double hearing_gain_margin(const PlatoonModel& model);
 
+/// 1 minus the loss gain, for a model whose gain margin is positive; 1 without losses. Its sign is that of the verdict,
+/// its value of an accuracy of a few hundredths. Throws NarrowSpectra so near to the border of the gain that 2^15
+/// frequencies do not resolve its peak.
+double hearing_loss_margin(const PlatoonModel& model);
+
 }  // namespace platoon

@@ -8,14 +8,24 @@
 
 namespace platoon {
 
-/// Spectra of peaks that 2^18 frequencies do not resolve.
+/// Spectra of peaks that the largest number of frequencies does not resolve.
 struct NarrowSpectra : std::invalid_argument {
   NarrowSpectra() : std::invalid_argument("the spectra of the string are too narrow to integrate") {}
 };
 
-/// values(spectra), with the number of frequencies doubled until they settle to 1e-9 relative; values that remain are
-/// then as exact, as their error falls geometrically. Throws NarrowSpectra if 2^18 frequencies do not suffice.
+/// When the values at n / 2 and at n frequencies are those of all frequencies.
+struct Settling {
+  std::function<bool(const std::vector<double>& before, const std::vector<double>& now)> done;
+  std::size_t most = std::size_t{1} << 18;  ///< frequencies
+};
+
+/// To 1e-9 relative: values whose error falls geometrically are then as exact as their arithmetic.
+Settling to_all_digits();
+
+/// values(spectra), with the number of frequencies doubled until they settle. Throws NarrowSpectra if the largest
+/// number does not suffice.
 std::vector<double> settled_hearing(const PlatoonModel& model,
-                                    const std::function<std::vector<double>(const HearingSpectra&)>& values);
+                                    const std::function<std::vector<double>(const HearingSpectra&)>& values,
+                                    const Settling& settling = to_all_digits());
 
 }  // namespace platoon

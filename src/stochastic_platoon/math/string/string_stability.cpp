@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/hearing_gain.hpp"
 #include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
@@ -112,6 +113,22 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
 std::string gain_name(const PlatoonModel& model) {
   const std::vector<VehicleModel> vehicles = pattern(model);
   return name_of_gain(vehicles.front(), vehicles.size());
+}
+
+std::vector<double> gain_along_string(const PlatoonModel& model, const std::vector<double>& frequencies) {
+  std::vector<double> gains;
+  if (!hears_predecessors_only(model)) {
+    const HearingGain gain(model);
+    for (const double w : frequencies) gains.push_back(gain(w));
+    return gains;
+  }
+  const LinkedPattern pattern(model);
+  for (const double w : frequencies) {
+    double product = 1.0;
+    for (std::size_t i = 0; i < pattern.size(); ++i) product *= pattern[i].at(w).gain;
+    gains.push_back(std::sqrt(product));
+  }
+  return gains;
 }
 
 StringStability string_stability(const PlatoonModel& model) {

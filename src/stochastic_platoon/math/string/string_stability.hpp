@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 
@@ -42,6 +43,10 @@ struct StringStability {
 ///
 /// Throws std::invalid_argument for a model without theory: see no_theory().
 StringStability string_stability(const PlatoonModel& model);
+
+/// The gain that verdicts judge at these frequencies [rad/sample]: |prod T^| over one pattern, or the spectral radius
+/// of hearing_stability(). Throws as string_stability() does.
+std::vector<double> gain_along_string(const PlatoonModel& model, const std::vector<double>& frequencies);
 
 /// What verdicts call the gain that must be below 1: |T|, |T^| over links with losses, delay or other noise, |Gamma|
 /// for a vehicle with radio, |T^| of one pattern for several vehicles.

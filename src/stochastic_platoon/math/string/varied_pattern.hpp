@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/stable_intervals.hpp"
@@ -15,21 +16,29 @@ namespace platoon {
 /// The margins of a platoon's pattern as functions of one varied value: gain_margin() and loss_margin().
 struct VariedMargins {
   StabilityMargin gain, losses;
+  double accuracy = 1e-12;  ///< of a border, relative
+
+  std::vector<StableInterval> intervals(const std::vector<double>& places) const {
+    return stable_intervals(losses, places, gain, accuracy);
+  }
 };
 
 /// `model_at`: the platoon at a value; `known`: a value with a loop. A value without a loop of double integral action
-/// counts as unstable. A string that hears others than predecessors must not lose. The pattern at the last value is
-/// kept, as both margins need it.
+/// counts as unstable, as one does whose margin no spectrum resolves. The pattern of a string that hears predecessors
+/// is kept, as both margins need it.
 inline VariedMargins varied_margins(std::function<PlatoonModel(double)> model_at, double known) {
   if (!hears_predecessors_only(model_at(known))) {
-    const auto margin = [model_at](double value) {
-      try {
-        return hearing_gain_margin(model_at(value));
-      } catch (const std::invalid_argument&) {
-        return -1.0;
-      }
+    const auto margin = [&model_at](double (*of)(const PlatoonModel&)) {
+      return [model_at, of](double value) {
+        try {
+          return of(model_at(value));
+        } catch (const std::invalid_argument&) {
+          return -1.0;
+        }
+      };
     };
-    return {margin, [](double) { return 1.0; }};
+    return {margin(hearing_gain_margin), margin(hearing_loss_margin),
+            1e-7};  // each takes a verdict of the whole string
   }
   struct Varied {
     std::function<PlatoonModel(double)> model_at;

@@ -181,6 +181,13 @@ void Monitor::finish() {
 }
 
 void Monitor::stop() {
+  bool complete;
+  {
+    const Locked lock(lock_);
+    complete = statistics_.arrivals().complete();
+  }
+  // Also if it is stopped before its first tick, as one that is started again just after its run has ended.
+  if (complete && !finished_) finish();
   std::optional<Checkpoint> checkpoint;
   RunResult partial;
   {

@@ -1,6 +1,8 @@
 #include "stochastic_platoon/run/report/analysis.hpp"
 
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
+#include <cmath>
 #include <initializer_list>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
@@ -40,6 +42,17 @@ void check_run(RunOptions run, const SignalRequest& signals, std::optional<std::
   }
 }
 
+/// To pi on a logarithmic scale, with the frequency of the peak if there is one [rad/sample].
+std::vector<double> frequencies_about(double peak) {
+  constexpr int kCount = 400;
+  constexpr double kLowest = 1e-4;
+  const double pi = boost::math::double_constants::pi;
+  std::vector<double> frequencies;
+  for (int j = 0; j < kCount; ++j) frequencies.push_back(pi * std::pow(kLowest / pi, 1.0 - j / (kCount - 1.0)));
+  if (peak > kLowest) frequencies.insert(std::upper_bound(frequencies.begin(), frequencies.end(), peak), peak);
+  return frequencies;
+}
+
 }  // namespace
 
 Analysis analyze(const Configuration& configuration, const SignalRequest& signals, const StageObserver& begins,
@@ -71,14 +84,17 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.beyond_limits = beyond_limits(configuration);
   }
   if (analysis.without_theory) return analysis;
-  if (needs("verdict",
-            {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable", "loss_gain",
-             "limit_variance", "reason", "contradictions", "bounds", "norms", "signals", "collision", "amplification"}))
+  if (needs("verdict", {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable",
+                        "loss_gain", "limit_variance", "reason", "contradictions", "bounds", "norms", "signals",
+                        "collision", "amplification", "gain_along_string"}))
     analysis.stability = string_stability(model);
+  if (needs("gain along the string", {"gain_along_string"})) {
+    analysis.frequencies = frequencies_about(analysis.stability.peak_frequency);
+    analysis.gains = gain_along_string(model, analysis.frequencies);
+  }
   if (needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
     analysis.robustness.margins = loop_margins(model);
-  if (plain && needs("critical delay", {"critical_delay"}))
-    analysis.robustness.critical_radio_delay = critical_delay(model);
+  if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_radio_delay = critical_delay(model);
   if (needs("stationary variances", {"stationary_variance", "contradictions"}))
     analysis.stationary_variance = stationary_variances(model, followers);
   if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))
@@ -101,6 +117,8 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
             {"critical_loss_probability", "critical_loss_types", "stable_loss_probabilities"}))
     analysis.losses = stable_losses(model);
   if (needs("critical mean burst", {"critical_mean_burst"})) analysis.bursts = critical_mean_burst(model);
+  if (!plain && needs("stable weights of the leader", {"critical_leader_share", "stable_leader_shares"}))
+    analysis.leader_shares = stable_leader_shares(model);
   if (needs("signals", {"signals", "collision", "amplification"}))
     analysis.signals = analyze_signals(configuration, signals, analysis.stability.string_stable, begins);
   return analysis;
@@ -118,9 +136,10 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
   const PlatoonModel& model = configuration.model;
   const VehicleModel& own = model.default_vehicle();
   const auto steps = static_cast<std::size_t>(configuration.run.steps);
-  nlohmann::json headways, losses, by_input, bounds;
+  nlohmann::json headways, losses, leader_shares, by_input, bounds;
   if (analysis.headways) headways = pairs(analysis.headways->intervals);
   if (analysis.losses) losses = pairs(analysis.losses->intervals);
+  if (analysis.leader_shares) leader_shares = pairs(analysis.leader_shares->intervals);
   const std::optional<double> critical = analysis.headways ? analysis.headways->critical : std::nullopt;
   nlohmann::json norms = {{"mean_l2", numbers(analysis.norms.mean)},
                           {"variance_linf", numbers(analysis.norms.variance)},
@@ -152,6 +171,9 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
        {"critical_loss_probability", number(analysis.losses ? analysis.losses->critical : std::nullopt)},
        {"critical_loss_types", analysis.losses ? nlohmann::json(analysis.losses->types) : nlohmann::json()},
        {"stable_loss_probabilities", losses},
+       {"critical_leader_share", number(analysis.leader_shares ? analysis.leader_shares->critical : std::nullopt)},
+       {"stable_leader_shares", leader_shares},
+       {"gain_along_string", {{"frequency", analysis.frequencies}, {"gain", numbers(analysis.gains)}}},
        {"stationary_mean", numbers(analysis.stationary_mean)},
        {"stationary_variance", numbers(analysis.stationary_variance)},
        {"stationary_variance_by_input", by_input},

@@ -12,6 +12,7 @@
 #include "stochastic_platoon/math/paper/theorem_two.hpp"
 #include "stochastic_platoon/math/string/critical_burst.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
+#include "stochastic_platoon/math/string/critical_leader_share.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
@@ -28,10 +29,13 @@ struct Analysis {
   StringStability stability;
   std::optional<StableHeadways> headways;    ///< none if the closed loop was given directly: it fits one headway only
   std::optional<StableLosses> losses = {};   ///< none without a loss stage
-  std::optional<CriticalBurst> bursts = {};  ///< none without losses, and in a string with radios
-  Robustness robustness = {};                ///< of the loop and of the radio
-  std::vector<double> stationary_mean = {};  ///< [m], one per follower, caused by delays and losses
-  std::vector<double> stationary_variance;   ///< [m^2], one per follower; NaN if there is none
+  std::optional<CriticalBurst> bursts = {};  ///< none without losses
+  std::optional<StableLeaderShares> leader_shares =
+      {};                                            ///< none unless positions of the leader and of others are heard
+  std::vector<double> frequencies = {}, gains = {};  ///< [rad/sample], and gain_along_string() there
+  Robustness robustness = {};                        ///< of the loop and of the radio
+  std::vector<double> stationary_mean = {};          ///< [m], one per follower, caused by delays and losses
+  std::vector<double> stationary_variance;           ///< [m^2], one per follower; NaN if there is none
   /// Where a vehicle hears more than a position: the shares of its inputs in it, noise and losses, per follower.
   std::vector<std::vector<double>> stationary_variance_by_input = {};
   ErrorMoments moments;

@@ -48,12 +48,10 @@ std::string peak_line(const PlatoonModel& model, const StringStability& stabilit
 std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
   if (!analysis.headways) {
     const bool followed = !types_with_default(model, &Inherited::headway).empty();
-    const bool plain = hears_predecessors_only(model);
-    if (model.default_vehicle().constant_spacing) return "Critical headway: none, as the spacing is constant\n";
     return std::string("Critical headway: none, as ") +
-           (followed && !plain ? "links lose to vehicles that hear others than their predecessor\n"
-            : followed         ? "the closed loop itself was given and fits one headway\n"
-                               : "no vehicle of the string follows the default headway\n");
+           (model.default_vehicle().constant_spacing ? "the spacing is constant\n"
+            : followed                               ? "the closed loop itself was given and fits one headway\n"
+                                                     : "no vehicle of the string follows the default headway\n");
   }
   const StableHeadways& headways = *analysis.headways;
   const std::string critical = headways.critical ? formatted("%.9g sample periods (%.9g s)", *headways.critical,
@@ -72,7 +70,6 @@ std::string text_of(const Input& input) {
 std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
   const std::optional<LossModel>& own_loss = model.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return "Critical loss probability: none, as a chain of states loses\n";
-  if (!hears_predecessors_only(model)) return "";
   if (!analysis.losses) return "Critical loss probability: none, as no vehicle of the string follows the default one\n";
   const std::optional<double> critical = analysis.losses->critical;
   const VehicleModel& own = model.default_vehicle();
@@ -121,6 +118,15 @@ std::string burst_line(const PlatoonModel& model, const Analysis& analysis) {
               : formatted("none, as the string is not stable at the shortest one, %.6g steps", bursts.from)) +
          "\n";
 }
+
+std::string leader_share_line(const PlatoonModel& model, const Analysis& analysis) {
+  if (!analysis.leader_shares) return "";
+  const StableLeaderShares& shares = *analysis.leader_shares;
+  return "Critical weight of the leader's position" + of_types(model, shares.types) + ": " +
+         (shares.critical ? formatted("%.9g", *shares.critical) : "none") +
+         "; string stable weights within [0, 1]:" + shown(shares.intervals) + "\n";
+}
+
 }  // namespace
 
 std::string report(const Configuration& configuration, const Analysis& analysis) {
@@ -145,7 +151,8 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   text += "rho(A) = " + beside_one(stability.spectral_radius) + ": the errors' mean and variance " +
           (stability.mean_square_stable ? "settle" : "DO NOT SETTLE") + " over time\n";
   text += peak_line(model, stability) + report(model, analysis.robustness) + headway_line(model, analysis) +
-          loss_line(model, analysis) + burst_line(model, analysis) + age_report(model);
+          loss_line(model, analysis) + burst_line(model, analysis) + leader_share_line(model, analysis) +
+          age_report(model);
   const std::vector<double>& stationary = analysis.stationary_variance;
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +

@@ -31,7 +31,7 @@ std::string report(const PlatoonModel& model, const Robustness& found) {
     text += formatted("; peak of the sensitivity %.6g at w = %.6g rad/sample\n", margins.sensitivity_peak,
                       margins.peak_frequency);
   }
-  if (has_radios(model) && hears_predecessors_only(model)) {
+  if (hears_by_radio(model)) {
     text += "Critical delay of the radio: " +
             (found.critical_radio_delay ? formatted("%.6g s", *found.critical_radio_delay * model.sample_period)
                                         : std::string("none")) +

@@ -31,10 +31,8 @@ void require_no_rare_results(const std::string& output) {
 void require_known(const Configuration& configuration, RareOptions& options) {
   const RunOptions& run = configuration.run;
   std::vector<std::string> problems;
-  const bool is_normal = has_normal_errors(configuration.model), plain = hears_predecessors_only(configuration.model);
-  if (options.method == kAuto) options.method = is_normal && plain ? kCondition : kSplit;
-  if (options.method == kCondition && !plain)
-    problems.emplace_back("method: condition: a vehicle hears others than its predecessor: must be split or auto");
+  const bool is_normal = has_normal_errors(configuration.model);
+  if (options.method == kAuto) options.method = is_normal ? kCondition : kSplit;
   if (options.method == kCondition && !is_normal)
     problems.push_back(std::string("method: condition: the gaps are not normal, because ") +
                        (has_limits(configuration.model) ? "a vehicle has limits" : "a link loses or quantises") +

@@ -71,6 +71,16 @@ TEST(Analysis, ComputesForAKeyAloneWhatTheWholeDocumentHas) {
   }
 }
 
+TEST(Analysis, HasTheGainAlongTheStringWithItsPeak) {
+  const nlohmann::json document = Analyzed(model_at(2.4), 2, 5).json(), &curve = document.at("gain_along_string");
+  const std::vector<double> frequencies = curve.at("frequency"), gains = curve.at("gain");
+  ASSERT_EQ(frequencies.size(), gains.size());
+  EXPECT_TRUE(std::is_sorted(frequencies.begin(), frequencies.end()));
+  const auto peak = std::max_element(gains.begin(), gains.end());
+  EXPECT_NEAR(*peak, document.at("peak_gain").get<double>(), 1e-12);
+  EXPECT_EQ(frequencies[static_cast<std::size_t>(peak - gains.begin())], document.at("peak_frequency"));
+}
+
 TEST(Analysis, HasTheMarginsOfTheLoop) {
   const nlohmann::json document = Analyzed(model_at(3.2), 2, 5).json();
   const LoopMargins margins = *loop_margins(model_at(3.2));

@@ -9,8 +9,11 @@
 
 #include "stochastic_platoon/math/response/loop_margins.hpp"
 #include "stochastic_platoon/math/string/critical_burst.hpp"
+#include "stochastic_platoon/math/string/critical_delay.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
+#include "stochastic_platoon/math/string/critical_leader_share.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
+#include "stochastic_platoon/math/string/hearing_gain.hpp"
 #include "stochastic_platoon/math/string/hearing_signals.hpp"
 #include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
@@ -53,6 +56,21 @@ TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
   const double critical = stable_headways(model)->critical.value();
   EXPECT_GT(hearing_gain_margin(with_headway(model, critical * (1.0 + 1e-6))), 0.0);
   EXPECT_LT(hearing_gain_margin(with_headway(model, critical * (1.0 - 1e-6))), 0.0);
+}
+
+TEST(HearingFigures, GainAlongTheStringHasItsPeakAndIsThatOfPredecessorsWhereTheyAreHeardAlone) {
+  const PlatoonModel two = hearing_model(kTwoAhead);
+  const StringStability verdict = string_stability(two);
+  EXPECT_NEAR(gain_along_string(two, {verdict.peak_frequency}).front(), verdict.peak_gain, 1e-12);
+  const PlatoonModel radio = hearing_model(kRadioCar + R"(
+  - {signal: input, gain: 0.8, noise_variance: 0.04, channel: {delay: 2, loss: {probability: 0.2, mean_burst: 3}}}
+vehicle_types: {slow: {time_headway: 9, plant: {actuator_lag: 0.5}}}
+string: [default, slow, slow])");
+  ASSERT_TRUE(hears_predecessors_only(radio));
+  const HearingGain other(radio);
+  const std::vector<double> frequencies = {0.01, 0.1, 0.3, 1.0, 3.0};
+  const std::vector<double> gains = gain_along_string(radio, frequencies);
+  for (std::size_t k = 0; k < gains.size(); ++k) EXPECT_NEAR(gains[k] / other(frequencies[k]), 1.0, 1e-10) << k;
 }
 
 TEST(HearingFigures, SharesSumToTheVariance) {
@@ -112,9 +130,56 @@ TEST(HearingFigures, CriticalValuesAreWhereTheVerdictChanges) {
   EXPECT_TRUE(string_stability(with_headway(two, headway * (1.0 + 1e-6))).string_stable);
   EXPECT_FALSE(string_stability(with_headway(two, headway * (1.0 - 1e-6))).string_stable);
   EXPECT_FALSE(stable_headways(hearing_model(kPath)).has_value());
-  EXPECT_FALSE(stable_headways(bursts).has_value());
-  EXPECT_FALSE(stable_losses(bursts).has_value());
-  EXPECT_FALSE(critical_mean_burst(bursts).has_value());
+  const double lossy = stable_headways(bursts)->critical.value();
+  EXPECT_TRUE(string_stability(with_headway(bursts, lossy * (1.0 + 1e-6))).string_stable);
+  EXPECT_FALSE(string_stability(with_headway(bursts, lossy * (1.0 - 1e-6))).string_stable);
+}
+
+// A lost value counts as 0, or is held: the gain alone is judged, or the loss gain, too.
+TEST(HearingFigures, CriticalLossesAreWhereTheVerdictChanges) {
+  const PlatoonModel zero = hearing_model(packet("{probability: 0.15, mean_burst: 4, on_loss: zero}"));
+  const std::vector<StableInterval> intervals = stable_losses(zero)->intervals;
+  ASSERT_FALSE(intervals.empty());
+  const auto with = [](const char* loss) { return hearing_model(packet(loss)); };
+  EXPECT_NEAR(intervals.front().from, 0.069645, 1e-6);
+  EXPECT_TRUE(string_stability(with("{probability: 0.069646, mean_burst: 4, on_loss: zero}")).string_stable);
+  EXPECT_FALSE(string_stability(with("{probability: 0.069644, mean_burst: 4, on_loss: zero}")).string_stable);
+  const double burst = critical_mean_burst(zero)->critical.value();
+  const StringStability shorter = string_stability(with_mean_burst(zero, burst * (1.0 - 1e-6))),
+                        longer = string_stability(with_mean_burst(zero, burst * (1.0 + 1e-6)));
+  EXPECT_TRUE(shorter.string_stable);
+  EXPECT_FALSE(longer.string_stable);
+  EXPECT_NEAR(longer.loss_gain.value(), 1.0, 1e-5) << "it is the loss gain that decides";
+}
+
+TEST(HearingFigures, CriticalDelayOfTheRadioIsWhereTheVerdictChanges) {
+  const PlatoonModel path = hearing_model(kPath);
+  const double delay = critical_delay(path).value();
+  EXPECT_NEAR(delay, 12.667, 1e-3);  // [steps]
+  for (const std::int64_t steps : {12, 13}) {
+    PlatoonModel delayed = path;
+    for (Input& input : delayed.default_vehicle().inputs) {
+      if (input.signal != InputSignal::position && input.ahead == 1) input.link.delay = steps;
+    }
+    EXPECT_EQ(string_stability(delayed).string_stable, static_cast<double>(steps) < delay) << steps;
+  }
+  EXPECT_FALSE(critical_delay(hearing_model(kTwoAhead)).has_value()) << "no radio";
+}
+
+TEST(HearingFigures, CriticalWeightOfTheLeaderIsWhereTheVerdictChanges) {
+  const PlatoonModel model = hearing_model(kLeaderShare);
+  const StableLeaderShares found = stable_leader_shares(model).value();
+  const double share = found.critical.value();
+  EXPECT_GT(share, 0.0);
+  EXPECT_LT(share, 0.3);
+  EXPECT_TRUE(string_stability(with_leader_share(model, share + 1e-7)).string_stable);
+  EXPECT_FALSE(string_stability(with_leader_share(model, share - 1e-7)).string_stable);
+  EXPECT_EQ(found.types, std::vector<std::string>{"default"});
+  const std::vector<Input> inputs = with_leader_share(model, 0.6).default_vehicle().inputs;
+  EXPECT_NEAR(inputs[0].gain, 0.4, 1e-15);
+  EXPECT_NEAR(inputs[1].gain, 0.6, 1e-15);
+  EXPECT_EQ(inputs[2].gain, 0.4) << "of the control input";
+  EXPECT_FALSE(stable_leader_shares(hearing_model(kPath)).has_value());
 }
 
 }  // namespace

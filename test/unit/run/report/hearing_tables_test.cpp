@@ -6,6 +6,9 @@
 #include <vector>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/rare/conditioned_gaps.hpp"
+#include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "unit/agreement_of.hpp"
@@ -95,6 +98,44 @@ TEST(HearingTables, AreThoseOfTheSimulation) {
     EXPECT_LT(largest_mean, 4.5) << start;
     EXPECT_GT(largest_mean, 1.0) << start;
     EXPECT_LT(largest_variance, 0.06) << start;
+  }
+}
+
+// Of any noise and any initial position: a simulation with the shifted noise has the gap that is conditioned on, and
+// all its gaps are those of the simulation without the shift plus C(., tau) / C(tau, tau) (x - gap(tau)).
+TEST(HearingTables, HaveTheLawOfTheGapsOfConditionedRealizations) {
+  PlatoonModel model = without_losses(all_kinds("steady"));
+  for (VehicleType& type : model.types) {
+    for (Input& input : type.vehicle.inputs) input.link.quantisation_step = 0.0;
+  }
+  constexpr std::size_t kFollowers = 10;  // more than the three with too few ahead and two patterns of four
+  constexpr std::int64_t kSteps = 30;
+  const GapLaw law(model, kFollowers, kSteps);
+  const std::vector<Eigen::MatrixXd> covariances = law.covariances();
+  const ConditionedGaps conditioned(model, {7, kFollowers, kSteps, -3.0});
+  for (std::size_t i = 1; i <= kFollowers; ++i) {
+    const Eigen::MatrixXd& covariance = covariances[i - 1];
+    for (Eigen::Index k = 0; k < kSteps; ++k) {
+      const double expected = law.variance(i, static_cast<std::size_t>(k));
+      EXPECT_NEAR(covariance(k, k), expected, 1e-11 * expected) << i << " " << k;
+    }
+    const Signal gap = signals_of(model, {kGap}, i).requested[0];
+    const auto gaps = [&](const WhiteNoise& noise) {
+      Eigen::VectorXd values(kSteps);
+      PlatoonString(model, noise, i).run(3, 1, kSteps, [&](std::size_t at, std::int64_t k, const SignalPositions& p) {
+        if (at == i) values(k) = p.of(gap).front();
+      });
+      return values;
+    };
+    const Eigen::VectorXd shifted = gaps(WhiteNoise(7, conditioned.replay(i - 1, 3))), moved = shifted - gaps(7);
+    Eigen::Index lowest;
+    ASSERT_LT(shifted.minCoeff(&lowest), -3.0) << i;
+    double best = 1e9;
+    for (Eigen::Index tau = 0; tau < kSteps; ++tau) {
+      if (shifted(tau) >= -3.0) continue;
+      best = std::min(best, (moved - covariance.col(tau) * (moved(tau) / covariance(tau, tau))).norm());
+    }
+    EXPECT_LT(best, 1e-9 * moved.norm()) << i;
   }
 }
 

@@ -1,0 +1,99 @@
+#include "stochastic_platoon/math/string/source_responses.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
+namespace platoon {
+
+namespace {
+
+using Sequence = MeanVehicle::Sequence;
+
+// What an input carries of the motion of its source at this index.
+long double carried(const Input& input, const Motion& source, std::size_t at, long double period) {
+  const auto y = [&](std::size_t back) { return source.position[at > back ? at - back : 0]; };
+  switch (input.signal) {
+    case InputSignal::position:
+      return y(0);
+    case InputSignal::speed:
+      return (y(0) - y(1)) / period;
+    case InputSignal::acceleration:
+      return (y(0) - 2.0L * y(1) + y(2)) / (period * period);
+    default:
+      return source.input[at];
+  }
+}
+
+}  // namespace
+
+SourceResponses::SourceResponses(const PlatoonModel& model, std::size_t followers, std::size_t steps)
+    : model_(model),
+      followers_(followers),
+      count_(steps + 1),
+      alone_(farthest_ahead(model) - 1),
+      period_(type_order(model).size()) {
+  const std::size_t distinct = std::min(followers, alone_ + period_);
+  for (std::size_t i = 1; i <= distinct; ++i) vehicles_.emplace_back(vehicle(model, i), i, model.sample_period);
+}
+
+std::size_t SourceResponses::different() const {
+  return std::min(followers_, alone_ + period_);
+}
+
+std::vector<SourceResponses::Source> SourceResponses::sources(std::size_t follower) const {
+  const VehicleModel& own = vehicle(model_, follower);
+  std::vector<Source> found;
+  Sequence impulse(count_, 0.0L);
+  impulse[1] = 1.0L;
+  for (std::size_t n = 0; n < own.inputs.size(); ++n) {
+    const LinkModel& link = own.inputs[n].link;
+    const double noise = own.inputs[n].noise_variance, dither = link.quantisation_step * link.quantisation_step / 12.0;
+    const bool is_white = link.has_white_noise();
+    if (noise > 0.0)
+      found.push_back({follower, n, noise, is_white ? impulse : filtered_impulse(link.noise_filter, count_ - 1)});
+    if (dither > 0.0) found.push_back({follower, n, dither, impulse});
+  }
+  if (own.initial_position.variance > 0.0) found.push_back({follower, std::nullopt, own.initial_position.variance, {}});
+  return found;
+}
+
+void SourceResponses::visit(const Source& source, const Visitor& visitor) const {
+  const Motion still{Sequence(count_, 0.0L), Sequence(count_, 0.0L)};
+  // As far back as a vehicle is heard.
+  std::vector<Motion> all(source.follower, still);
+  for (std::size_t i = source.follower; i <= followers_; ++i) {
+    check_interruption();
+    all.push_back(response(i, all, i == source.follower ? &source : nullptr));
+    visitor(i, all[i - 1].position, all[i]);
+    if (i > alone_ + 1) all[i - alone_ - 1] = {};
+  }
+}
+
+Motion SourceResponses::response(std::size_t follower, const std::vector<Motion>& all, const Source* source) const {
+  const std::size_t place = follower <= alone_ ? follower - 1 : alone_ + (follower - 1 - alone_) % period_;
+  const VehicleResponse& responding = vehicles_[place];
+  if (source != nullptr && !source->input) return responding.free_motion(count_);
+  const VehicleModel& own = vehicle(model_, follower);
+  const std::vector<Input>& inputs = own.inputs;
+  const bool plain = own.hears_predecessor_only();  // its response has the gain of its radio
+  Motion used{Sequence(count_, 0.0L), Sequence(count_, 0.0L)};
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
+    const Input& input = inputs[n];
+    const bool is_noisy = source != nullptr && *source->input == n;
+    if (source != nullptr && !is_noisy) continue;  // all vehicles ahead stand still
+    const std::size_t from = source_of(input, follower);
+    if (source == nullptr && from == 0) continue;
+    Sequence& sum = input.signal == InputSignal::position ? used.position : used.input;
+    const long double gain = plain ? 1.0 : input.gain;
+    const auto delay = static_cast<std::size_t>(input.delay());
+    for (std::size_t k = 0; k < count_; ++k) {
+      const std::size_t at = k > delay ? k - delay : 0;
+      sum[k] += gain * (is_noisy ? source->impulse[at] : carried(input, all[from], at, model_.sample_period));
+    }
+  }
+  return responding(used);
+}
+
+}  // namespace platoon
