@@ -111,7 +111,7 @@ class Errors(PlotTest):
                             saying=[run, "3 followers", "has 1"])
 
     def test_an_analysis_that_lacks_a_key(self):
-        for figure, key in (("gain", "transfer.numerator"), ("norms", "norms.mean_l2")):
+        for figure, key in (("gain", "gain_along_string.frequency"), ("norms", "norms.mean_l2")):
             path = self.make_analysis(**{key.split(".")[0]: {}})
             self.assert_rejects(figure, path, saying=[path, key + " is missing"])
         path = self.make_analysis(stationary_variance=2.0)
@@ -125,9 +125,9 @@ class Errors(PlotTest):
         path = self.make_analysis(stationary_variance=[None, None, None])
         self.assert_rejects("string", path, saying=[path, "stationary_variance is NaN everywhere"])
 
-    def test_a_denominator_of_zeros(self):
-        path = self.make_analysis(transfer={"numerator": [1.0], "denominator": [0.0, 0.0]})
-        self.assert_rejects("gain", path, saying=[path, "denominator"])
+    def test_as_many_gains_as_frequencies(self):
+        path = self.make_analysis(gain_along_string={"frequency": [0.1, 0.2], "gain": [1.0]})
+        self.assert_rejects("gain", path, saying=[path, "as many gains as frequencies"])
 
     def test_a_map_that_is_not_a_grid(self):
         path = self.make_map()

@@ -34,6 +34,13 @@ def transfer(headway, gain=1.35):
             "denominator": np.polyadd(denominator, gain * np.array([1.0 + headway, -headway])).tolist()}
 
 
+def gain_along_string(headway):
+    """|T| of the paper's example."""
+    loop, frequency = transfer(headway), np.geomspace(1e-4, np.pi, 2000)
+    z = np.exp(1j * frequency)
+    return {"frequency": frequency.tolist(), "gain": np.abs(np.polyval(loop["numerator"], z) / np.polyval(loop["denominator"], z)).tolist()}
+
+
 class PlotTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
@@ -96,7 +103,7 @@ class PlotTest(unittest.TestCase):
 
     def make_analysis(self, name="analysis.json", **changes):
         analysis = {"spectral_radius": 0.5, "mean_square_stable": True, "string_stable": True,
-                    "stationary_variance": [2.0, 3.0, 3.5], "limit_variance": 4.0, "transfer": transfer(3.2),
+                    "stationary_variance": [2.0, 3.0, 3.5], "limit_variance": 4.0, "gain_along_string": gain_along_string(3.2), "sample_period": 0.1,
                     "peak_gain": 1.0, "peak_frequency": 0.0,
                     "norms": {"mean_l2": [0.4, 0.7, 1.1], "variance_linf": [2.0, 3.0, 4.0],
                               "mean_bound": 1.5, "variance_bound": 4.5}}

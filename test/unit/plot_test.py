@@ -11,7 +11,7 @@ import numpy as np
 import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
-from plot_files import COUNT, PlotTest, TOOLS, plot, transfer  # noqa: E402
+from plot_files import COUNT, PlotTest, TOOLS, gain_along_string, plot  # noqa: E402
 
 
 class Figures(PlotTest):
@@ -38,7 +38,7 @@ class Figures(PlotTest):
         self.assert_draws("norms", self.make_analysis())
 
     def test_gain_is_drawn(self):
-        self.assert_draws("gain", self.make_analysis("a.json"), self.make_analysis("b.json", transfer=transfer(2.4)))
+        self.assert_draws("gain", self.make_analysis("a.json"), self.make_analysis("b.json", gain_along_string=gain_along_string(2.4)))
 
     def test_string_is_drawn_with_and_without_a_limit_and_runs(self):
         self.assert_draws("string", self.make_analysis("a.json"))
@@ -141,12 +141,22 @@ class Figures(PlotTest):
 
 class Numbers(PlotTest):
     def test_the_peak_of_the_gain_is_where_the_analysis_has_it(self):
-        path = self.make_analysis(transfer=transfer(2.4), peak_gain=1.1588996213, peak_frequency=0.610896)
+        path = self.make_analysis(gain_along_string=gain_along_string(2.4), peak_gain=1.1588996213, peak_frequency=0.610896)
         figure = plot.gain.draw([sp.Analysis.load(path)], [])
         self.assertEqual(figure.axes[0].get_lines()[1].get_xydata().tolist(), [[0.610896, 1.1588996213]])
         # The curve has its maximum there, within the square of its grid width.
         curve = figure.axes[0].get_lines()[0]
-        self.assertAlmostEqual(max(curve.get_ydata()), 1.1588996213, 6)
+        self.assertAlmostEqual(max(curve.get_ydata()), 1.1588996213, 5)
+
+    def test_more_than_three_gains_have_a_panel_each_with_their_verdict(self):
+        stable = sp.Analysis.load(self.make_analysis("a.json"))
+        unstable = sp.Analysis.load(self.make_analysis("b.json", gain_along_string=gain_along_string(2.4), peak_gain=1.1588996213,
+                                                       peak_frequency=0.610896, string_stable=False))
+        axes = plot.gain.draw([stable] * 5 + [unstable], ["one", "two", "three", "four", "five", "six"]).axes
+        self.assertEqual([panel.get_title() for panel in axes[::5]], ["one\nstring stable", "six\nnot string stable, peak 1.159"])
+        self.assertEqual(len(axes), 6)
+        curve = axes[5].get_lines()[1]
+        self.assertAlmostEqual(curve.get_xdata()[int(np.argmax(curve.get_ydata()))] * 0.1, 0.610896, 2)  # in rad/s
 
     def test_curves_have_the_values_of_the_file(self):
         run = sp.Results.load(self.make_run(rows=list(reversed(self.rows()))))

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
@@ -90,15 +91,24 @@ public:
     return window;
   }
 
-  /// The variances at the places, and the spectra that each adds behind this window.
-  std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added,
-                           std::vector<Eigen::ArrayXd>& next) const {
-    std::vector<double> variances;
+  /// The values of all places, and the spectra that each adds behind this window.
+  std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added, std::vector<Eigen::ArrayXd>& next,
+                           const PlaceValues& values) const {
+    std::vector<double> all;
     for (std::size_t p = 0; p < period_; ++p) {
       next[p] = spectra_.added(first_ + p, window);
-      variances.push_back(spectra_.error_variance(first_ + p, spectra_.advance(first_ + p, added[p], window)));
+      const std::vector<double> own = values(first_ + p, spectra_.advance(first_ + p, added[p], window));
+      all.insert(all.end(), own.begin(), own.end());
     }
-    return variances;
+    return all;
+  }
+
+  /// The variances of the tracking errors at the places.
+  std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added,
+                           std::vector<Eigen::ArrayXd>& next) const {
+    return pass(std::move(window), added, next, [this](std::size_t follower, const HearingSpectra::Pair& pair) {
+      return std::vector<double>{spectra_.error_variance(follower, pair)};
+    });
   }
 
   std::vector<Eigen::ArrayXd> of_noise() const {
@@ -162,6 +172,13 @@ LossGain hearing_loss_gain(const HearingSpectra& spectra, std::size_t period) {
   const LossRound round(string);
   return {perron_root_beside_one(round, round.size(), kShareOfDistance),
           round.variances(Eigen::VectorXd::Ones(round.size())).front()};
+}
+
+std::vector<double> hearing_limits(const HearingSpectra& spectra, std::size_t period, const PlaceValues& values) {
+  const EndlessString string(spectra, period);
+  const std::vector<Eigen::ArrayXd> noise = string.of_noise();
+  std::vector<Eigen::ArrayXd> next = noise;
+  return string.pass(string.in_front(noise), noise, next, values);
 }
 
 HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "stochastic_platoon/math/string/hearing_spectra.hpp"
@@ -17,6 +18,10 @@ struct HearingLimit {
 /// At each frequency the cross spectra X in front of a pattern with the product M of its companion matrices satisfy X =
 /// M X M* + Q. Losses add to Q a nonnegative map of it, the loss gain is its spectral radius.
 HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses);
+
+/// What a follower at each place of its pattern has, one place after the other, if no link loses.
+using PlaceValues = std::function<std::vector<double>(std::size_t follower, const HearingSpectra::Pair& pair)>;
+std::vector<double> hearing_limits(const HearingSpectra& spectra, std::size_t period, const PlaceValues& values);
 
 /// Its loss gain alone, on its exact side of 1, and the variance of the tracking error behind the first place if each
 /// place adds a spectrum of 1.

@@ -7,6 +7,7 @@
 #include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
+#include "stochastic_platoon/math/string/hearing_limit.hpp"
 #include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/settled_hearing.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
@@ -17,6 +18,12 @@ namespace {
 
 using Pair = HearingSpectra::Pair;
 using Window = HearingSpectra::Window;
+
+// Means behind so many followers are those of an endless string, if they change by less from pattern to pattern [m]:
+// they fall into place like the powers of a matrix, or grow with the number of vehicles, as where vehicles of unlike
+// standstill distances keep a multiple of their own from the leader.
+constexpr std::size_t kFarFollowers = 1000;
+constexpr double kInPlace = 1e-8;
 
 /// What a signal takes of the own position at each frequency, and 1 - 1/z.
 struct Filters {
@@ -52,10 +59,27 @@ std::vector<double> moments_of(const std::vector<Signal>& signals, const Platoon
   return moments;
 }
 
+// Of signal `index` of followers first, first + 1, ..., given their mean errors and all their moments.
+StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<std::string>& names,
+                                     std::size_t index, std::size_t first, const std::vector<double>& errors,
+                                     const std::vector<double>& values) {
+  const double speed = metres_per_step(model);
+  StationaryMoments moments;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const VehicleModel& own = vehicle(model, first + i);
+    const Signal signal = signals_of(model, names, first + i).requested[index];
+    const double distance = errors[i] + own.standstill_distance + own.headway * speed - signal.offset;
+    moments.mean.push_back(signal.relative ? distance : signal.order == 1 ? signal.factor * speed : 0.0);
+    moments.variance.push_back(values[2 * (i * names.size() + index)]);
+    moments.change.push_back(values[2 * (i * names.size() + index) + 1]);
+  }
+  return moments;
+}
+
 }  // namespace
 
 std::vector<StationarySignal> hearing_signals(const PlatoonModel& model, const std::vector<std::string>& names,
-                                              std::size_t followers) {
+                                              std::size_t followers, bool string_stable) {
   const std::vector<double> none(followers, kNaN);
   std::vector<StationarySignal> result(names.size(), StationarySignal{{none, none, none}, std::nullopt});
   const std::vector<double> errors = stationary_means(model, followers);
@@ -71,17 +95,25 @@ std::vector<StationarySignal> hearing_signals(const PlatoonModel& model, const s
     }
     return moments;
   });
-  const double speed = metres_per_step(model);
-  for (std::size_t i = 0; i < followers; ++i) {
-    const VehicleModel& own = vehicle(model, i + 1);
-    for (std::size_t s = 0; s < names.size(); ++s) {
-      const Signal& signal = signals[i].requested[s];
-      StationaryMoments& moments = result[s].followers;
-      const double distance = errors[i] + own.standstill_distance + own.headway * speed - signal.offset;
-      moments.mean[i] = signal.relative ? distance : signal.order == 1 ? signal.factor * speed : 0.0;
-      moments.variance[i] = values[2 * (i * names.size() + s)];
-      moments.change[i] = values[2 * (i * names.size() + s) + 1];
-    }
+  for (std::size_t s = 0; s < names.size(); ++s)
+    result[s].followers = stationary_moments(model, names, s, 1, errors, values);
+  if (!string_stable) return result;
+  try {
+    const std::size_t period = type_order(model).size();
+    const std::vector<double> limits = settled_hearing(model, [&](const HearingSpectra& spectra) {
+      return hearing_limits(spectra, period, [&](std::size_t follower, const Pair& pair) {
+        return moments_of(signals_of(model, names, follower).requested, model, follower, spectra, pair);
+      });
+    });
+    const std::size_t far = (kFarFollowers / period + 1) * period;
+    const std::vector<double> means = stationary_means(model, far + 2 * period);
+    std::vector<double> settled;
+    for (std::size_t i = far; i < far + period; ++i)
+      settled.push_back(std::abs(means[i + period] - means[i]) < kInPlace ? means[i] : kNaN);
+    for (std::size_t s = 0; s < names.size(); ++s)
+      result[s].limit = stationary_moments(model, names, s, far + 1, settled, limits);
+  } catch (const NarrowSpectra&) {
+    // No limit is known.
   }
   return result;
 }

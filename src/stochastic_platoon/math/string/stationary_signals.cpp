@@ -103,7 +103,7 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for stationary_signals()");
-  if (!hears_predecessors_only(model)) return hearing_signals(model, names, followers);
+  if (!hears_predecessors_only(model)) return hearing_signals(model, names, followers, string_stable);
   if (const auto input = std::find(names.begin(), names.end(), kInput); input != names.end()) {
     std::vector<std::string> others = names;
     others.erase(others.begin() + (input - names.begin()));

@@ -36,13 +36,18 @@ PlatoonModel radio_car(const std::string& loss = "") {
 TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
   const PlatoonModel model = radio_car(), lossy = radio_car(", loss: {probability: 0.2, mean_burst: 3}");
   const std::vector<StationarySignal> expected = stationary_signals(model, kSignals, 5, true),
-                                      found = hearing_signals(model, kSignals, 5);
+                                      found = hearing_signals(model, kSignals, 5, true);
   for (std::size_t s = 0; s < kSignals.size(); ++s) {
     for (std::size_t i = 0; i < 5; ++i) {
       EXPECT_NEAR(found[s].followers.variance[i] / expected[s].followers.variance[i], 1.0, 1e-9) << kSignals[s] << i;
       EXPECT_NEAR(found[s].followers.change[i] / expected[s].followers.change[i], 1.0, 1e-9) << kSignals[s] << i;
       EXPECT_NEAR(found[s].followers.mean[i], expected[s].followers.mean[i], 1e-9) << kSignals[s] << i;
     }
+  }
+  for (std::size_t s = 0; s < kSignals.size(); ++s) {
+    EXPECT_NEAR(*found[s].limit_variance() / *expected[s].limit_variance(), 1.0, 1e-9) << kSignals[s];
+    EXPECT_NEAR(found[s].limit->change[0] / expected[s].limit->change[0], 1.0, 1e-9) << kSignals[s];
+    EXPECT_NEAR(found[s].limit->mean[0], expected[s].limit->mean[0], 1e-9) << kSignals[s];
   }
   const auto shares = stationary_variances_by_input(lossy, 5), of_hearing = hearing_variances_by_input(lossy, 5);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -102,6 +107,32 @@ TEST(HearingFigures, SignalsSettleToTheirStationaryValues) {
       }
     }
   }
+}
+
+// Unlike cars, of which each hears the leader: the far ones differ from the endless string by a power of their number.
+TEST(HearingFigures, SignalsOfFarVehiclesAreThoseOfAnEndlessString) {
+  const PlatoonModel model = hearing_model(std::string(kLeaderShare) + R"(
+vehicle_types: {slow: {plant: {actuator_lag: 0.3}}}
+string: [default, slow, slow])");
+  ASSERT_TRUE(string_stability(model).string_stable);
+  constexpr std::size_t kFollowers = 60;
+  const std::vector<StationarySignal> found = stationary_signals(model, kSignals, kFollowers, true);
+  for (std::size_t s = 0; s < kSignals.size(); ++s) {
+    ASSERT_TRUE(found[s].limit.has_value());
+    for (std::size_t p = 0; p < 3; ++p) {
+      const StationaryMoments &limit = *found[s].limit, &far = found[s].followers;
+      EXPECT_NEAR(far.variance[kFollowers - 3 + p] / limit.variance[p], 1.0, 1e-6) << kSignals[s] << p;
+      EXPECT_NEAR(far.change[kFollowers - 3 + p] / limit.change[p], 1.0, 1e-6) << kSignals[s] << p;
+      EXPECT_NEAR(far.mean[kFollowers - 3 + p], limit.mean[p], 1e-6) << kSignals[s] << p;
+    }
+    EXPECT_GT(std::abs(found[s].followers.variance[0] / found[s].limit->variance[0] - 1.0), 1e-3) << kSignals[s];
+  }
+  EXPECT_FALSE(stationary_signals(hearing_model(kTwoAhead), kSignals, 2, false).front().limit.has_value());
+  PlatoonModel apart = model;
+  apart.types.back().vehicle.standstill_distance = 7.0;  // i times 7 m behind the leader, among others of 5 m
+  const StationaryMoments limit = *stationary_signals(apart, {"gap"}, 2, true).front().limit;
+  EXPECT_TRUE(std::isnan(limit.mean[0])) << "the mean gaps of such a string grow with the number of vehicles";
+  EXPECT_TRUE(std::isfinite(limit.variance[0]));
 }
 
 TEST(HearingFigures, MarginsAreWhereTheLoopBecomesUnstable) {
