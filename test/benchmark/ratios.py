@@ -21,6 +21,7 @@ ROUNDS = 3
 REALIZATIONS = 50000
 MILLION = 1000000
 MODEL = live_platoon.shared("config", "paper.yaml")
+HEARING = live_platoon.shared("config", "leader_and_predecessor.yaml")  # three inputs
 LIMITED = live_platoon.shared("config", "acc_limits.yaml")
 
 
@@ -91,6 +92,8 @@ def pairs(machine):
     limited, linear = in_turn(lambda: monte_carlo(machine, "--steps", "100", model=LIMITED),
                               lambda: monte_carlo(machine, "--steps", "100", model=linear))
     yield "monte_carlo, cars with limits", "the same cars without", limited, linear
+    three, paper = in_turn(lambda: 3.0 * monte_carlo(machine, "--steps", "100", model=HEARING), lambda: monte_carlo(machine, "--steps", "100"))
+    yield "monte_carlo, inputs of cars that hear three", "monte_carlo", three, paper
     yield "one_process", "monte_carlo", one, core
     yield "processes", "NumPy program, one core", many, numpy
     module, program = in_turn(lambda: peer("from_python.py", str(MILLION))[speed], lambda: rate_of_program(machine))

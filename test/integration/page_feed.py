@@ -71,7 +71,12 @@ class Fed(unittest.TestCase):
         """The same, and the open page gets every snapshot: a stream keeps the latest one alone."""
         for step in steps:
             self.drive([step], **changes)
-            live_platoon.wait_for(lambda: not any(stream.waiting for stream in self.server.streams.streams), "the page to take step {}".format(step), 20.0)
+            live_platoon.wait_for(self.taken, "the page to take step {}".format(step), 20.0)
+
+    def taken(self):
+        """Whether a page is connected, and nothing waits for it."""
+        streams = list(self.server.streams.streams)
+        return bool(streams) and not any(stream.waiting for stream in streams)
 
     def at_both_sizes(self, name):
         """Yields at each size, after the checks that apply to every state."""

@@ -48,6 +48,23 @@ class States(Fed):
     def test_500_followers(self):
         self.check_driving(500)
 
+    def test_constant_spacing_has_no_headway_and_arcs_lead_from_those_heard_to_the_chosen_vehicle(self):
+        self.begin(6, **sp.Model.load("leader_and_predecessor.yaml").to_dict())
+        self.drive(range(BURN_IN, BURN_IN + 20))
+        self.open()
+        self.wait_for_page("document.getElementById('road').dataset.heard === '0'", "the arc from the leader to the last vehicle")
+        self.text_comes("#facts", "spacingconstant, 9.2 m")
+        for _ in self.at_both_sizes("constant-spacing"):
+            self.assertTrue(self.browser.run("return document.getElementById('headway').closest('label').hidden"))
+        self.assertFalse(self.browser.run("return document.getElementById('noise_variance').closest('label').hidden"))
+
+    def test_an_arc_leads_from_the_vehicle_two_ahead(self):
+        self.begin(6, **sp.Model.load("two_ahead.yaml").to_dict())
+        self.drive(range(BURN_IN, BURN_IN + 20))
+        self.open()
+        self.wait_for_page("document.getElementById('road').dataset.heard === '4'", "the arc")
+        self.assertFalse(self.browser.run("return document.getElementById('headway').closest('label').hidden"))
+
     def test_the_headway_of_a_car_by_lag_and_gains_is_set_in_seconds(self):
         self.begin(5, **sp.Model.load("acc.yaml").to_dict())
         self.drive(range(BURN_IN, BURN_IN + 20), stable_headways=[50.0, 35000.0])

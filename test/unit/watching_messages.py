@@ -23,7 +23,7 @@ def message(**fields):
 
 
 def configuration(followers=3, steps=4, run=None, **model):
-    document = dict(sp.Model.load("paper.yaml").to_dict(), **model)
+    document = model if "leader" in model else dict(sp.Model.load("paper.yaml").to_dict(), **model)
     return message(data=json.dumps({"version": sp.__version__, "model": document, "run": dict(RUN, followers=followers, steps=steps, **(run or {}))}))
 
 

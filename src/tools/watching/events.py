@@ -42,7 +42,8 @@ class EventLog:
     def add_run(self, before: Optional[Dict[str, Any]], now: Dict[str, Any]) -> None:
         """Adds another configuration: see description.described()."""
         if before is None:
-            changes = [name + " " + shown(now[key], unit) for key, name, unit in CHANGES if now[key] is not None]
+            changes = [name + " " + shown(now[key], unit) for key, name, unit in CHANGES
+                       if now[key] is not None and (key != "headway" or now[key] > 0.0)]  # constant spacing has no headway
         else:
             changes = ["{} {} -> {}".format(name, shown(before[key], unit), shown(now[key], unit)) for key, name, unit in CHANGES
                        if before[key] != now[key]]

@@ -27,8 +27,9 @@ def heading(state: Dict[str, Any]) -> List[str]:
     if state["followers"] is None:
         return [state["start"] or "Waiting for a platoon's monitor"]
     period = state["sample_period"]
-    first = "h = {:g} ({:g} s), P_d = {:g} m^2, {}, N = {}".format(
-        state["headway"], state["headway"] * period, state["noise_variance"], state["link"], state["followers"])
+    spacing = ("h = {:g} ({:g} s)".format(state["headway"], state["headway"] * period) if state["headway"] else
+               "constant spacing of {:g} m".format(state["standstill_distance"]))
+    first = "{}, P_d = {:g} m^2, {}, N = {}".format(spacing, state["noise_variance"], state["link"], state["followers"])
     if "reason" not in state:
         return [first, "Starting: " + state["start"] if state["start"] else "Starting"]
     at = None if state["step"] is None else "{} ({:.6g} s)".format(state["step"], state["step"] * period)

@@ -99,9 +99,7 @@ std::string shares_line(const VehicleModel& last, const std::vector<std::vector<
 }
 
 std::string inputs_text(const VehicleModel& own, double sample_period) {
-  std::string text = own.constant_spacing ? formatted("constant spacing of %g m", own.standstill_distance)
-                                          : formatted("h = %g (%g s)", own.headway, own.headway * sample_period);
-  text += ", hears ";
+  std::string text = spacing_text(own, sample_period) + ", hears ";
   for (const Input& input : own.inputs) {
     text += (&input == &own.inputs.front() ? "" : ", ") + text_of(input) + formatted(" (%g)", input.gain);
   }
@@ -134,8 +132,8 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   const StringStability& stability = analysis.stability;
   const VehicleModel& own = model.default_vehicle();
   const bool plain = hears_predecessors_only(model);
-  std::string text = formatted("h = %g (%g s), P_d = %g m^2", own.headway, own.headway * model.sample_period,
-                               own.position().noise_variance);
+  std::string text =
+      spacing_text(own, model.sample_period) + formatted(", P_d = %g m^2", own.position().noise_variance);
   if (!plain) text = inputs_text(own, model.sample_period);
   if (plain && own.radio() != nullptr) text += formatted(", radio %g (m/s^2)^2", own.radio()->noise_variance);
   text += ": ";

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
@@ -87,8 +88,8 @@ std::string report(const Configuration& configuration, const Prediction& predict
   const VehicleModel& vehicle = configuration.model.default_vehicle();
   const StringStability& stability = prediction.stability;
   std::string text =
-      formatted("\nPlatoon of %zu followers, h = %g (%g s), P_d = %g m^2: ", run.followers, vehicle.headway,
-                vehicle.headway * configuration.model.sample_period, vehicle.position().noise_variance);
+      formatted("\nPlatoon of %zu followers, %s, P_d = %g m^2: ", run.followers,
+                spacing_text(vehicle, configuration.model.sample_period).c_str(), vehicle.position().noise_variance);
   text += heading(configuration, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   if (found) {

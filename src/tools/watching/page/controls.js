@@ -47,6 +47,7 @@ export class Controls {
     const { unit, ...range } = this.inSeconds ? HEADWAYS.seconds : HEADWAYS.samples;
     input("headway-unit").innerHTML = unit;
     Object.assign(input("headway"), range);
+    input("headway").closest("label").hidden = !configuration?.headway;  // constant spacing has none
     this.marked = null;  // redraw the marks: the slider's range may change
     document.getElementById("controls-note").textContent = endless || !configuration ? "" :
       "Only an endless run (live.launch) accepts orders: this one averages over realizations, which have to be alike.";

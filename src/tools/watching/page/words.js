@@ -32,7 +32,7 @@ export function showHeadline({ configuration, statistics, conduct, health }, liv
     write(at("verdict"), verdict);
     write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : health?.start ?? "The first figures appear when every vehicle runs.");
     at("warnings").replaceChildren(...(statistics?.warnings ?? []).map(warning => Object.assign(document.createElement("li"), { textContent: `⚠ ${warning}` })));
-    document.title = `${verdict.replace(/^. /, "")}, h = ${configuration.headway}`;
+    document.title = `${verdict.replace(/^. /, "")}, ${configuration.headway ? `h = ${configuration.headway}` : "constant spacing"}`;
   }
   at("verdict").dataset.stable = stable;
   const complete = statistics?.complete;
@@ -56,7 +56,8 @@ const duration = seconds => seconds < 90 ? `${Math.ceil(seconds)} s` : seconds <
 
 export function facts(list, { configuration, statistics }, snapshot) {
   if (!configuration) return list.replaceChildren();
-  const of = statistics ?? {}, shown = [["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`],
+  const of = statistics ?? {}, shown = [configuration.headway ? ["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`] :
+    ["spacing", `constant, ${short(configuration.standstill_distance, 4)} m`],
     ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
   if (configuration.endless) shown.push(["step k", atStep(snapshot?.step ?? of.latest_step, configuration)]);
   else {

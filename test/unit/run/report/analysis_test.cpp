@@ -1,4 +1,5 @@
 #include "stochastic_platoon/run/report/analysis_report.hpp"
+#include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
 
 #include <gtest/gtest.h>
@@ -79,6 +80,14 @@ TEST(Analysis, HasTheGainAlongTheStringWithItsPeak) {
   const auto peak = std::max_element(gains.begin(), gains.end());
   EXPECT_NEAR(*peak, document.at("peak_gain").get<double>(), 1e-12);
   EXPECT_EQ(frequencies[static_cast<std::size_t>(peak - gains.begin())], document.at("peak_frequency"));
+}
+
+TEST(Analysis, NamesTheSpacing) {
+  VehicleModel vehicle = model_at(3.2).default_vehicle();
+  EXPECT_EQ(spacing_text(vehicle, 0.1), "h = 3.2 (0.32 s)");
+  vehicle.constant_spacing = true;
+  vehicle.standstill_distance = 9.2;
+  EXPECT_EQ(spacing_text(vehicle, 0.1), "constant spacing of 9.2 m");
 }
 
 TEST(Analysis, HasTheMarginsOfTheLoop) {
