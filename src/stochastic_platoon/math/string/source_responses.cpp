@@ -11,7 +11,7 @@ namespace {
 
 using Sequence = MeanVehicle::Sequence;
 
-// What an input carries of the motion of its source at this index.
+// What an input carries of the motion of its source at an index, which counts from step -1.
 long double carried(const Input& input, const Motion& source, std::size_t at, long double period) {
   const auto y = [&](std::size_t back) { return source.position[at > back ? at - back : 0]; };
   switch (input.signal) {
@@ -61,13 +61,12 @@ std::vector<SourceResponses::Source> SourceResponses::sources(std::size_t follow
 
 void SourceResponses::visit(const Source& source, const Visitor& visitor) const {
   const Motion still{Sequence(count_, 0.0L), Sequence(count_, 0.0L)};
-  // As far back as a vehicle is heard.
   std::vector<Motion> all(source.follower, still);
   for (std::size_t i = source.follower; i <= followers_; ++i) {
     check_interruption();
     all.push_back(response(i, all, i == source.follower ? &source : nullptr));
     visitor(i, all[i - 1].position, all[i]);
-    if (i > alone_ + 1) all[i - alone_ - 1] = {};
+    if (i > alone_ + 1) all[i - alone_ - 1] = {};  // no vehicle behind i hears it
   }
 }
 
