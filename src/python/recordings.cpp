@@ -89,15 +89,14 @@ std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<St
   end = std::min(end, run.realizations);
   if (first >= end)
     throw std::out_of_range("realizations: " + std::to_string(first) + ": must be below " + std::to_string(end));
-  const auto key = [](const PlatoonTopic& topic) { return std::tuple(topic.kind, topic.vehicle, topic.input); };
-  std::map<std::tuple<PlatoonTopic::Kind, std::size_t, std::size_t>, std::size_t> places;
+  std::map<PlatoonTopic::Key, std::size_t> places;
   for (std::size_t at = 0; at < streams.size(); ++at)
-    places[key(parse_topic(topic_of(streams[at], configuration)).value())] = at;
+    places[parse_topic(topic_of(streams[at], configuration)).value().key()] = at;
   std::vector<StreamTable> tables(streams.size(), StreamTable(run, first, end));
   std::vector<bool> is_empty(streams.size(), true);
-  BagStream bags(source, [&](const PlatoonTopic& topic) { return places.count(key(topic)) > 0; });
+  BagStream bags(source, [&](const PlatoonTopic& topic) { return places.count(topic.key()) > 0; });
   while (const std::optional<RecordedMessage> recorded = bags.next()) {
-    const std::size_t at = places.at(key(recorded->topic));
+    const std::size_t at = places.at(recorded->topic.key());
     tables[at].take(*recorded->position());
     is_empty[at] = false;
   }

@@ -51,14 +51,8 @@ class Inputs(ExternalTest):
         self.summary = self.completed(terminal)
         measured = live_platoon.statistics(self.output)
         self.assertEqual(measured, live_platoon.reference(self.output, model=model, **SETTINGS))
-        found = live_platoon.tool("bag_statistics", bag, "--csv")
-        self.assertEqual((found.returncode, found.stdout.encode()), (0, measured))
+        self.assert_statistics_of(bag, measured)
         return bag, measured
-
-    def replayed(self, bag, **arguments):
-        terminal = self.launch("replay.launch", bag=bag, **arguments)
-        terminal.wait()
-        return terminal.text()
 
     def test_of_predecessor_and_leader_from_processes_with_recording_and_replays(self):
         bag, measured = self.check("path_cacc.yaml")
@@ -76,13 +70,8 @@ class Inputs(ExternalTest):
                 self.assertEqual(carried.get(topic, "position"), inputs[n]["signal"])
         self.assertFalse([topic for topic in counts if topic.endswith("input")])
         self.check_received(bag)
-        again = self.path("again")
-        text = self.replayed(bag, output=again)
-        self.assertTrue(live_platoon.completed_summary(again), text)
-        self.assertEqual(live_platoon.statistics(again), measured)
-        for vehicle in ("vehicle_1", "vehicle_3"):
-            self.assertIn("{}: {} messages equal the recorded ones to the bit".format(vehicle, BATCHES * (STEPS + 1)),
-                          self.replayed(bag, drive=vehicle, output=""))
+        self.assert_replayed_run(bag, measured)
+        self.assert_replays(bag, BATCHES * (STEPS + 1), "vehicle_1", "vehicle_3")
 
     def check_received(self, bag):
         """The received speed of the leader is its speed with the noise of the model."""
@@ -100,9 +89,7 @@ class Inputs(ExternalTest):
     def test_of_unlike_cars_that_lose_packets_from_processes_and_an_external_vehicle(self):
         model = self.write("model.yaml", json.dumps(mixed()))
         bag, measured = self.check(model)
-        for vehicle in range(1, FOLLOWERS + 1):
-            self.assertIn("vehicle_{}: {} messages equal the recorded ones to the bit".format(vehicle, BATCHES * (STEPS + 1)),
-                          self.replayed(bag, drive="vehicle_{}".format(vehicle), output=""))
+        self.assert_replays(bag, BATCHES * (STEPS + 1), *("vehicle_{}".format(i) for i in range(1, FOLLOWERS + 1)))
         program = os.path.join(os.environ["PLATOON_TEST_PROGRAMS"], "external_by_model")
         for vehicle in (2, 4):
             self.start(program, "_index:={}".format(vehicle), "__name:=external_{}".format(vehicle))

@@ -35,11 +35,6 @@ class Radio(LaunchTest):
         self.assertEqual(measured, live_platoon.reference(self.output, model=model, **SETTINGS))
         return bag, measured
 
-    def replayed(self, bag, **arguments):
-        terminal = self.launch("replay.launch", bag=bag, **arguments)
-        terminal.wait()
-        return terminal.text()
-
     def test_from_processes_with_recording_and_replay(self):
         bag, measured = self.check("cacc.yaml")
         with rosbag.Bag(bag) as opened:
@@ -48,15 +43,9 @@ class Radio(LaunchTest):
             for topic in ("/platoon/vehicle_{}/input".format(i), "/platoon/vehicle_{}/predecessor_input".format(i + 1)):
                 self.assertEqual(counts[topic], BATCHES * (STEPS + 1), topic)
         self.assertNotIn("/platoon/vehicle_{}/input".format(FOLLOWERS), counts, "nobody hears the last vehicle")
-        found = live_platoon.tool("bag_statistics", bag, "--csv")
-        self.assertEqual((found.returncode, found.stdout.encode()), (0, measured))
-        again = self.path("again")
-        text = self.replayed(bag, output=again)
-        self.assertTrue(live_platoon.completed_summary(again), text)
-        self.assertEqual(live_platoon.statistics(again), measured)
-        for vehicle in ("vehicle_1", "vehicle_3"):
-            self.assertIn("{}: {} messages equal the recorded ones to the bit".format(vehicle, BATCHES * (STEPS + 1)),
-                          self.replayed(bag, drive=vehicle, output=""))
+        self.assert_statistics_of(bag, measured)
+        self.assert_replayed_run(bag, measured)
+        self.assert_replays(bag, BATCHES * (STEPS + 1), "vehicle_1", "vehicle_3")
         behind = self.path("behind")  # the recorded leader sends the acceleration of its drive
         text = self.replayed(bag, drive="leader", output=behind)
         self.assertTrue(live_platoon.completed_summary(behind), text)

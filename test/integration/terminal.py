@@ -111,6 +111,30 @@ class LaunchTest(FolderTest):
         self.completed(terminal, arguments.get("output"))
         return terminal
 
+    def replayed(self, bag, **arguments):
+        """What the replay of a recording has printed at its end."""
+        terminal = self.launch("replay.launch", bag=bag, **arguments)
+        terminal.wait()
+        return terminal.text()
+
+    def assert_replays(self, bag, messages, *vehicles):
+        """Checks that vehicles driven from a recording send the recorded numbers, so many messages each."""
+        for vehicle in vehicles:
+            self.assertIn("{}: {} messages equal the recorded ones to the bit".format(vehicle, messages),
+                          self.replayed(bag, drive=vehicle, output=""))
+
+    def assert_statistics_of(self, bag, measured):
+        """Checks that the statistics of a recording are those of its run."""
+        found = live_platoon.tool("bag_statistics", bag, "--csv")
+        self.assertEqual((found.returncode, found.stdout.encode()), (0, measured))
+
+    def assert_replayed_run(self, bag, measured):
+        """Checks that the run of a recorded platoon has the statistics of the recording."""
+        again = self.path("again")
+        text = self.replayed(bag, output=again)
+        self.assertTrue(live_platoon.completed_summary(again), text)
+        self.assertEqual(live_platoon.statistics(again), measured)
+
     def monte_carlo(self, name, *flags, **options):
         """Folder of a run of monte_carlo that must succeed."""
         done = live_platoon.tool("monte_carlo", *flags, output=self.path(name), **options)

@@ -17,9 +17,8 @@ GapLaw::GapLaw(const PlatoonModel& model, std::size_t followers, std::int64_t st
       steps_(static_cast<std::size_t>(steps)),
       moments_(signal_moments(model, {kGap}, followers, steps).front()) {
   const SourceResponses responses(model, followers_, steps_);
-  period_ = responses.period();
-  alone_ = responses.alone();
-  for (std::size_t i = 1; i <= responses.different(); ++i) {
+  different_ = responses.different();
+  for (std::size_t i = 1; i <= std::min(followers_, different_.count()); ++i) {
     rows_.emplace_back(vehicle(model, i).inputs.size() + 1);
     for (const SourceResponses::Source& source : responses.sources(i)) {
       std::vector<Row>& rows = rows_.back()[source.input ? *source.input + 1 : 0];
@@ -34,17 +33,19 @@ GapLaw::GapLaw(const PlatoonModel& model, std::size_t followers, std::int64_t st
 }
 
 std::vector<Eigen::MatrixXd> GapLaw::covariances() const {
+  const auto [alone, period] = different_;
   std::vector<Eigen::MatrixXd> result;
-  std::deque<Eigen::MatrixXd> repeated;  // of the last followers of a pattern, from sources that repeat
+  std::deque<Eigen::MatrixXd>
+      repeated;  // what the sources that repeat cause in the latest followers, a pattern of them
   for (std::size_t i = 1; i <= followers_; ++i) {
-    Eigen::MatrixXd own = of_sources(alone_ + 1, std::min(alone_ + period_, i), i);
+    Eigen::MatrixXd own = of_sources(alone + 1, std::min(different_.count(), i), i);
     // The sources further back act on follower i as those before act on follower i - period.
-    if (repeated.size() == period_) {
+    if (repeated.size() == period) {
       own += repeated.front();
       repeated.pop_front();
     }
     repeated.push_back(own);
-    if (alone_ > 0) own += of_sources(1, std::min(alone_, i), i);
+    if (alone > 0) own += of_sources(1, std::min(alone, i), i);
     result.push_back(std::move(own));
   }
   return result;
@@ -78,9 +79,7 @@ Eigen::MatrixXd GapLaw::of_sources(std::size_t first, std::size_t last, std::siz
 double GapLaw::response(const DrawName& draw, std::size_t follower, std::size_t step) const {
   const std::size_t from = draw.vehicle % kInputStream, input = draw.vehicle / kInputStream;
   if (from > follower || draw.purpose != Purpose::noise || draw.step >= static_cast<std::int64_t>(step)) return 0.0;
-  // Sources further back act as the first ones of their place.
-  const std::size_t place = from <= alone_ ? from : alone_ + (from - alone_ - 1) % period_ + 1;
-  const std::vector<Row>& rows = rows_[place - 1][draw.step < 0 ? 0 : input + 1];
+  const std::vector<Row>& rows = rows_[different_.of(from) - 1][draw.step < 0 ? 0 : input + 1];
   if (rows.empty()) return 0.0;
   return rows[follower - from][draw.step < 0 ? step : step - static_cast<std::size_t>(draw.step)];
 }

@@ -8,6 +8,7 @@
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
+#include "stochastic_platoon/math/string/source_responses.hpp"
 
 namespace platoon {
 
@@ -39,7 +40,8 @@ private:
   /// The covariance of a follower's gaps that the sources of these followers cause.
   Eigen::MatrixXd of_sources(std::size_t first, std::size_t last, std::size_t follower) const;
 
-  std::size_t followers_, steps_, period_, alone_;
+  std::size_t followers_, steps_;
+  DifferentFollowers different_{};
   SignalMoments moments_;
   /// Per follower whose sources differ, of its initial position and of the noise on each of its inputs, the responses
   /// of it and the vehicles behind it; empty without this source.

@@ -12,7 +12,8 @@ namespace platoon {
 namespace {
 
 using Window = HearingSpectra::Window;
-constexpr double kShareOfDistance = 0.01;  // of a loss gain from 1, to which it is computed where its side of 1 counts
+// A loss gain of which only the side of 1 counts is known to this share of its distance from 1.
+constexpr double kShareOfDistance = 0.01;
 
 using SpectralMatrix = std::vector<std::vector<Eigen::ArrayXcd>>;  // entries per frequency
 

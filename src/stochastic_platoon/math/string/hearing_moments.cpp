@@ -31,7 +31,7 @@ public:
 
   std::vector<SignalMoments> operator()() {
     add_means();
-    for (std::size_t i = 1; i <= responses_.different(); ++i) {
+    for (std::size_t i = 1; i <= std::min(followers_, responses_.different().count()); ++i) {
       for (const SourceResponses::Source& source : responses_.sources(i)) add(source);
     }
     return std::move(moments_);
@@ -55,7 +55,8 @@ private:
   }
 
   void add(const SourceResponses::Source& source) {
-    const std::size_t period = source.follower > responses_.alone() ? responses_.period() : followers_;
+    const DifferentFollowers& different = responses_.different();
+    const std::size_t period = source.follower > different.alone ? different.period : followers_;
     responses_.visit(source, [&](std::size_t i, const Sequence& predecessor, const Motion& own) {
       const FollowerSignals of = signals_of(model_, names_, i);
       for (std::size_t s = 0; s < moments_.size(); ++s) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <optional>
 
 #include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
@@ -33,14 +34,15 @@ struct Filters {
 Filters filters_of(const Signal& signal, const PlatoonModel& model, std::size_t follower, const HearingSpectra& spectra,
                    Eigen::Index count) {
   Filters filters{Eigen::ArrayXcd(count), Eigen::ArrayXcd(count)};
-  const HearingLoop loop(vehicle(model, follower), follower, model.sample_period);
+  std::optional<HearingLoop> loop;
+  if (signal.is_input) loop.emplace(vehicle(model, follower), follower, model.sample_period);
   for (Eigen::Index k = 0; k < count; ++k) {
     const CirclePoint point(spectra.frequency(k));
     const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));
     filters.moved(k) = moved;
-    filters.own(k) = signal.is_input ? std::complex<double>(loop.at(point).sent)
-                                     : (signal.order > 0 ? signal.factor * std::pow(moved, signal.order) : 0.0) -
-                                           (signal.relative ? 1.0 : 0.0);
+    filters.own(k) =
+        loop ? std::complex<double>(loop->at(point).sent)
+             : (signal.order > 0 ? signal.factor * std::pow(moved, signal.order) : 0.0) - (signal.relative ? 1.0 : 0.0);
   }
   return filters;
 }
@@ -59,23 +61,6 @@ std::vector<double> moments_of(const std::vector<Signal>& signals, const Platoon
   return moments;
 }
 
-// Of signal `index` of followers first, first + 1, ..., given their mean errors and all their moments.
-StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<std::string>& names,
-                                     std::size_t index, std::size_t first, const std::vector<double>& errors,
-                                     const std::vector<double>& values) {
-  const double speed = metres_per_step(model);
-  StationaryMoments moments;
-  for (std::size_t i = 0; i < errors.size(); ++i) {
-    const VehicleModel& own = vehicle(model, first + i);
-    const Signal signal = signals_of(model, names, first + i).requested[index];
-    const double distance = errors[i] + own.standstill_distance + own.headway * speed - signal.offset;
-    moments.mean.push_back(signal.relative ? distance : signal.order == 1 ? signal.factor * speed : 0.0);
-    moments.variance.push_back(values[2 * (i * names.size() + index)]);
-    moments.change.push_back(values[2 * (i * names.size() + index) + 1]);
-  }
-  return moments;
-}
-
 }  // namespace
 
 std::vector<StationarySignal> hearing_signals(const PlatoonModel& model, const std::vector<std::string>& names,
@@ -84,34 +69,40 @@ std::vector<StationarySignal> hearing_signals(const PlatoonModel& model, const s
   std::vector<StationarySignal> result(names.size(), StationarySignal{{none, none, none}, std::nullopt});
   const std::vector<double> errors = stationary_means(model, followers);
   if (std::isnan(errors.front())) return result;
-  const std::vector<FollowerSignals> signals = signals_of_all(model, names, followers);
+  const auto signals_from = [&](std::size_t first, std::size_t count) {
+    std::vector<std::vector<Signal>> signals;
+    for (std::size_t i = first; i < first + count; ++i) signals.push_back(signals_of(model, names, i).requested);
+    return signals;
+  };
+  const std::vector<std::vector<Signal>> signals = signals_from(1, followers);
   const std::vector<double> values = settled_hearing(model, [&](const HearingSpectra& spectra) {
     Window window = spectra.nothing();
     std::vector<double> moments;
     for (std::size_t i = 1; i <= followers; ++i) {
       const Pair pair = spectra.advance(i, spectra.added(i, window), window);
-      const std::vector<double> own = moments_of(signals[i - 1].requested, model, i, spectra, pair);
+      const std::vector<double> own = moments_of(signals[i - 1], model, i, spectra, pair);
       moments.insert(moments.end(), own.begin(), own.end());
     }
     return moments;
   });
   for (std::size_t s = 0; s < names.size(); ++s)
-    result[s].followers = stationary_moments(model, names, s, 1, errors, values);
+    result[s].followers = stationary_moments(model, signals, s, 1, errors, values);
   if (!string_stable) return result;
   try {
     const std::size_t period = type_order(model).size();
+    const std::size_t far = (kFarFollowers / period + 1) * period;
+    const std::vector<std::vector<Signal>> at_places = signals_from(far + 1, period);
     const std::vector<double> limits = settled_hearing(model, [&](const HearingSpectra& spectra) {
       return hearing_limits(spectra, period, [&](std::size_t follower, const Pair& pair) {
-        return moments_of(signals_of(model, names, follower).requested, model, follower, spectra, pair);
+        return moments_of(at_places[(follower - 1) % period], model, follower, spectra, pair);
       });
     });
-    const std::size_t far = (kFarFollowers / period + 1) * period;
     const std::vector<double> means = stationary_means(model, far + 2 * period);
     std::vector<double> settled;
     for (std::size_t i = far; i < far + period; ++i)
       settled.push_back(std::abs(means[i + period] - means[i]) < kInPlace ? means[i] : kNaN);
     for (std::size_t s = 0; s < names.size(); ++s)
-      result[s].limit = stationary_moments(model, names, s, far + 1, settled, limits);
+      result[s].limit = stationary_moments(model, at_places, s, far + 1, settled, limits);
   } catch (const NarrowSpectra&) {
     // No limit is known.
   }

@@ -162,7 +162,7 @@ std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t fol
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {
   require_theory(model);
   if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
-  constexpr double kRounding = 1e-14;  // of a place
+  constexpr double kRounding = 1e-14;  // relative to a vehicle's place
   const double speed = metres_per_step(model);
   std::map<const Input*, double> known;  // the inputs of a type serve all its vehicles
   const auto late = [&](const VehicleModel& own, const Input& input) {

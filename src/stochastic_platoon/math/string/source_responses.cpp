@@ -32,14 +32,9 @@ SourceResponses::SourceResponses(const PlatoonModel& model, std::size_t follower
     : model_(model),
       followers_(followers),
       count_(steps + 1),
-      alone_(farthest_ahead(model) - 1),
-      period_(type_order(model).size()) {
-  const std::size_t distinct = std::min(followers, alone_ + period_);
-  for (std::size_t i = 1; i <= distinct; ++i) vehicles_.emplace_back(vehicle(model, i), i, model.sample_period);
-}
-
-std::size_t SourceResponses::different() const {
-  return std::min(followers_, alone_ + period_);
+      different_{farthest_ahead(model) - 1, type_order(model).size()} {
+  for (std::size_t i = 1; i <= std::min(followers, different_.count()); ++i)
+    vehicles_.emplace_back(vehicle(model, i), i, model.sample_period);
 }
 
 std::vector<SourceResponses::Source> SourceResponses::sources(std::size_t follower) const {
@@ -66,13 +61,12 @@ void SourceResponses::visit(const Source& source, const Visitor& visitor) const 
     check_interruption();
     all.push_back(response(i, all, i == source.follower ? &source : nullptr));
     visitor(i, all[i - 1].position, all[i]);
-    if (i > alone_ + 1) all[i - alone_ - 1] = {};  // no vehicle behind i hears it
+    if (i > different_.alone + 1) all[i - different_.alone - 1] = {};  // no vehicle behind i hears it
   }
 }
 
 Motion SourceResponses::response(std::size_t follower, const std::vector<Motion>& all, const Source* source) const {
-  const std::size_t place = follower <= alone_ ? follower - 1 : alone_ + (follower - 1 - alone_) % period_;
-  const VehicleResponse& responding = vehicles_[place];
+  const VehicleResponse& responding = vehicles_[different_.of(follower) - 1];
   if (source != nullptr && !source->input) return responding.free_motion(count_);
   const VehicleModel& own = vehicle(model_, follower);
   const std::vector<Input>& inputs = own.inputs;

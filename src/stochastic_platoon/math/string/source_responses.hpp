@@ -10,6 +10,18 @@
 
 namespace platoon {
 
+/// Followers whose sources or responses differ: the first ones, which hear vehicle 0 in place of one farther ahead, and
+/// one pattern behind them, which all others repeat.
+struct DifferentFollowers {
+  std::size_t alone, period;
+
+  /// The different follower that a follower is or repeats.
+  std::size_t of(std::size_t follower) const {
+    return follower <= alone ? follower : alone + (follower - alone - 1) % period + 1;
+  }
+  std::size_t count() const { return alone + period; }
+};
+
 /// The random sources of a string whose links do not lose, and the deviations from the mean motion that each of them
 /// causes in the vehicles behind it. A source farther back than the vehicles that hear vehicle 0 in place of one
 /// farther ahead has the responses of the same place one pattern before.
@@ -20,12 +32,7 @@ public:
   /// `model` must outlive the object.
   SourceResponses(const PlatoonModel& model, std::size_t followers, std::size_t steps);
 
-  /// Followers 1 .. alone() have responses of their own, those behind them repeat after period() vehicles.
-  std::size_t alone() const { return alone_; }
-  std::size_t period() const { return period_; }
-
-  /// Followers whose sources stand for all others.
-  std::size_t different() const;
+  const DifferentFollowers& different() const { return different_; }
 
   /// A noise or dither on an input, present from step 0 on, or without input the initial position.
   struct Source {
@@ -45,8 +52,9 @@ private:
   Motion response(std::size_t follower, const std::vector<Motion>& all, const Source* source) const;
 
   const PlatoonModel& model_;
-  std::size_t followers_, count_, alone_, period_;
-  std::vector<VehicleResponse> vehicles_;  ///< of followers 1, 2, ...
+  std::size_t followers_, count_;
+  DifferentFollowers different_;
+  std::vector<VehicleResponse> vehicles_;  ///< of the different followers
 };
 
 }  // namespace platoon

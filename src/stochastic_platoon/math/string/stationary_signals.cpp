@@ -65,33 +65,25 @@ std::vector<double> limit_moments_by(const StringSpectra& spectra, const std::ve
   return values;
 }
 
-/// Means of a signal of followers first + 1, ..., first + signals.size().
-std::vector<double> means_of(const PlatoonModel& model, const std::vector<Signals>& signals, std::size_t index,
-                             std::size_t first) {
+}  // namespace
+
+StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals,
+                                     std::size_t index, std::size_t first, const std::vector<double>& errors,
+                                     const std::vector<double>& values) {
   const double speed = metres_per_step(model);
-  const std::vector<double> errors = stationary_means(model, first + signals.size());
-  std::vector<double> means;
-  for (std::size_t i = first; i < errors.size(); ++i) {
-    const Signal& signal = signals[i - first][index];
-    const VehicleModel& own = vehicle(model, i + 1);
+  StationaryMoments moments;
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const Signal& signal = signals[i][index];
+    const VehicleModel& own = vehicle(model, first + i);
     double mean = signal.order == 1 ? signal.factor * speed : 0.0;
     if (signal.relative) mean += own.standstill_distance + own.headway * speed + errors[i] - signal.offset;
-    means.push_back(std::isnan(errors[i]) ? kNaN : mean);
-  }
-  return means;
-}
-
-StationaryMoments moments_of(std::vector<double> means, const std::vector<double>& values, std::size_t index,
-                             std::size_t count) {
-  StationaryMoments moments{std::move(means), {}, {}};
-  for (std::size_t at = 2 * index; at < values.size(); at += 2 * count) {
+    moments.mean.push_back(mean);
+    const std::size_t at = 2 * (i * signals[i].size() + index);
     moments.variance.push_back(values[at]);
     moments.change.push_back(values[at + 1]);
   }
   return moments;
 }
-
-}  // namespace
 
 std::optional<double> StationarySignal::limit_variance() const {
   if (!limit) return std::nullopt;
@@ -122,8 +114,9 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   }
   const std::vector<double> values =
       settled_values(pattern, followers, [&](const StringSpectra& spectra) { return moments_by(spectra, signals); });
+  const std::vector<double> errors = stationary_means(model, followers);
   for (std::size_t s = 0; s < names.size(); ++s)
-    result[s].followers = moments_of(means_of(model, signals, s, 0), values, s, names.size());
+    result[s].followers = stationary_moments(model, signals, s, 1, errors, values);
   if (!string_stable) return result;
   // Limits that do not exist are left out: their poles at w = 0 would keep the quadrature from settling.
   const int zeros = pattern.gain().zeros() - pattern.zeros_at_zero().noise;
@@ -141,8 +134,10 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   }
   const std::vector<double> limits = settled_values(
       pattern, std::nullopt, [&](const StringSpectra& spectra) { return limit_moments_by(spectra, kept); });
+  std::vector<double> far = stationary_means(model, 2 * m);
+  far.erase(far.begin(), far.begin() + static_cast<std::ptrdiff_t>(m));
   for (std::size_t index = 0; index < bounded.size(); ++index)
-    result[bounded[index]].limit = moments_of(means_of(model, kept, index, m), limits, index, bounded.size());
+    result[bounded[index]].limit = stationary_moments(model, kept, index, m + 1, far, limits);
   return result;
 }
 

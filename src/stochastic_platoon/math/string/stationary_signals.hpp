@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 
 namespace platoon {
 
@@ -42,5 +43,11 @@ struct StationarySignal {
 /// has_normal_errors(model), and for an unknown name.
 std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, const std::vector<std::string>& names,
                                                  std::size_t followers, bool string_stable);
+
+/// Those of signal `index` of the followers first, first + 1, ..., whose signals, mean tracking errors at the leader's
+/// last speed, and variances and changes of all signals (one follower after the other) are given.
+StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals,
+                                     std::size_t index, std::size_t first, const std::vector<double>& errors,
+                                     const std::vector<double>& values);
 
 }  // namespace platoon

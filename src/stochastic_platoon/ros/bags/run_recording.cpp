@@ -33,10 +33,7 @@ RunRecording::RunRecording(const Configuration& configuration, const std::string
       recorded_configuration_{name_space + "/" + kConfigurationTopic, to_json(configuration).dump()},
       part_begin_(configuration.run.first_realization),
       arrivals_(configuration.run.schedule(), topics_.size(), configuration.run.first_realization, 0) {
-  for (std::size_t s = 0; s < topics_.size(); ++s) {
-    const PlatoonTopic topic = parse_topic(topics_[s]).value();
-    streams_[{topic.kind, topic.vehicle, topic.input}] = s;
-  }
+  for (std::size_t s = 0; s < topics_.size(); ++s) streams_[parse_topic(topics_[s]).value().key()] = s;
   try {
     recover();
     if (!finished_ && !recording_) recording_ = record_to(kActiveSuffix);
@@ -111,7 +108,7 @@ void RunRecording::take(std::size_t stream, const Message& message) {
 
 // None if the topic is no stream of this recording.
 std::optional<std::size_t> RunRecording::stream_of(const PlatoonTopic& topic) const {
-  const auto stream = streams_.find({topic.kind, topic.vehicle, topic.input});
+  const auto stream = streams_.find(topic.key());
   return stream != streams_.end() ? std::make_optional(stream->second) : std::nullopt;
 }
 

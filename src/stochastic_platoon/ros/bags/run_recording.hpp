@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -78,8 +77,7 @@ private:
   Configuration configuration_;
   std::string name_space_;
   std::vector<std::string> topics_;  ///< per stream
-  std::map<std::tuple<PlatoonTopic::Kind, std::size_t, std::size_t>, std::size_t>
-      streams_;  ///< by kind, vehicle, input
+  std::map<PlatoonTopic::Key, std::size_t> streams_;
   RecordedConfiguration recorded_configuration_;
   std::size_t part_ = 0;
   std::map<std::pair<std::uint64_t, std::int64_t>, Step> open_;  ///< by first realization and step

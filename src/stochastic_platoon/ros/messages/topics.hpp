@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
@@ -52,6 +53,10 @@ struct PlatoonTopic {
   std::string name_space;   ///< "/platoon"
   std::size_t vehicle = 0;  ///< of the kinds before error_statistics
   std::size_t input = 0;    ///< n of `inputs/<n>`
+
+  /// What a topic carries, in whatever namespace.
+  using Key = std::tuple<Kind, std::size_t, std::size_t>;
+  Key key() const { return {kind, vehicle, input}; }
 };
 
 /// None if the topic does not belong to a platoon.

@@ -24,9 +24,7 @@ namespace {
 
 // Selects the recorded topic of this name, whatever the namespace of the recording.
 std::function<bool(const PlatoonTopic&)> only(const std::string& name) {
-  return [sought = parse_topic("/" + name).value()](const PlatoonTopic& topic) {
-    return topic.kind == sought.kind && topic.vehicle == sought.vehicle && topic.input == sought.input;
-  };
+  return [sought = parse_topic("/" + name).value()](const PlatoonTopic& topic) { return topic.key() == sought.key(); };
 }
 
 // The next message; none at the end.
