@@ -20,7 +20,8 @@ Quadrature equal_nodes(std::size_t count) {
   Quadrature rule;
   rule.weight.assign(half, 1.0 / static_cast<double>(half));
   for (std::size_t k = 0; k < half; ++k)
-    rule.node.push_back(boost::math::double_constants::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(half));
+    rule.node.push_back(boost::math::long_double_constants::pi * (static_cast<long double>(k) + 0.5L) /
+                        static_cast<long double>(half));
   return rule;
 }
 
@@ -34,7 +35,7 @@ SpectralNodes::SpectralNodes(Quadrature quadrature)
     : rule(std::move(quadrature)),
       equally_spaced(false),
       weight(Eigen::Map<const Eigen::ArrayXd>(rule.weight.data(), count())) {
-  for (const double w : rule.node) points.emplace_back(w);
+  for (const long double w : rule.node) points.emplace_back(w);
 }
 
 LossScatter::LossScatter(const LossFilter& losses, const SpectralNodes& nodes)
@@ -65,7 +66,7 @@ void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes
   const LossKernel::Value constant = kernel.at(0.0);
   for (Eigen::Index k = 0; k < nodes.count(); ++k) {
     check_interruption();
-    const double w = nodes.rule.node[static_cast<std::size_t>(k)];
+    const double w = nodes.points[static_cast<std::size_t>(k)].frequency;
     const LossKernel::Value value = kernel.at(w);
     effects_.push_back(LossFilter::Value::of_missing(value.missing()));
     innovation_(k) = std::norm(value.surprise);
@@ -80,7 +81,7 @@ void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes
 }
 
 void LossScatter::add_memory(const SpectralNodes& nodes) {
-  const std::vector<double>& node = nodes.rule.node;
+  const std::vector<long double>& node = nodes.rule.node;
   const Eigen::Index count = nodes.count(), terms = recalling_.cols();
   kernel_ = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index first = 0, end = 0; first < terms; first = end) {  // terms of one lambda share its weights

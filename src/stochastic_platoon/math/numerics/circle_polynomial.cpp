@@ -26,17 +26,17 @@ void add_scaled(CirclePolynomial& sum, const CirclePolynomial& p, long double fa
 
 }  // namespace
 
-Centre nearest(double frequency) {
-  return frequency < 1.5707963267948966 ? Centre::kOne : Centre::kMinusOne;
+Centre nearest(long double frequency) {
+  return frequency < 1.5707963267948966L ? Centre::kOne : Centre::kMinusOne;
 }
 
-CirclePoint::CirclePoint(double w) : frequency(w), centre(nearest(w)) {
-  const long double half = static_cast<long double>(w) / 2.0L, sine = std::sin(half), cosine = std::cos(half);
+CirclePoint::CirclePoint(long double w) : frequency(static_cast<double>(w)), centre(nearest(w)) {
+  const long double half = w / 2.0L, sine = std::sin(half), cosine = std::cos(half);
   offset = {centre == Centre::kOne ? -2.0L * sine * sine : 2.0L * cosine * cosine, 2.0L * sine * cosine};
 }
 
-long double circle_coordinate(double frequency, Centre centre) {
-  const long double half_angle = static_cast<long double>(frequency) / 2.0L;
+long double circle_coordinate(long double frequency, Centre centre) {
+  const long double half_angle = frequency / 2.0L;
   const long double s = centre == Centre::kOne ? std::sin(half_angle) : std::cos(half_angle);
   return 2.0L * s * s;
 }

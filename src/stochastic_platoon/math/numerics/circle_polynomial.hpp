@@ -20,14 +20,14 @@ enum class Centre {
 };
 
 /// The centre nearer to e^{jw}.
-Centre nearest(double frequency);
+Centre nearest(long double frequency);
 
 /// t = 1 - cos w about z = 1, 1 + cos w about z = -1, without cancellation.
-long double circle_coordinate(double frequency, Centre centre);
+long double circle_coordinate(long double frequency, Centre centre);
 
 /// A point e^{jw} of the unit circle by its offset from the nearer of 1 and -1, without cancellation.
 struct CirclePoint {
-  explicit CirclePoint(double w);
+  explicit CirclePoint(long double w);
 
   /// e^{jw} - 1, of the digits of the offset.
   std::complex<long double> from_one() const { return centre == Centre::kOne ? offset : offset - 2.0L; }

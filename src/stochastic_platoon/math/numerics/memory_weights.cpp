@@ -80,18 +80,20 @@ DoubleComplex beside_pole(DoubleComplex u) {
 
 MemoryWeights::MemoryWeights(const Quadrature& rule, DoubleComplex memory)
     : rule_(rule), turn_(std::arg(memory)), decay_(-std::log(std::abs(memory))) {
-  for (const double nu : rule.node) remembered_.push_back(product(std::polar(1.0, nu), memory));
+  for (const long double nu : rule.node)
+    remembered_.push_back(product(std::polar(1.0, static_cast<double>(nu)), memory));
 }
 
 // y / (1 - y) = 1 / (e^u - 1) with u = decay - j (nu - w + turn), whose pole 1 / u is integrated exactly.
-std::vector<DoubleComplex> MemoryWeights::at(double w) const {
+std::vector<DoubleComplex> MemoryWeights::at(long double w) const {
   static const auto legendre = legendre_values();
-  const DoubleComplex back = std::polar(1.0, -w);
+  const DoubleComplex back = std::polar(1.0, static_cast<double>(-w));
   std::vector<DoubleComplex> factors;
   factors.reserve(remembered_.size());
   for (std::size_t panel = 0; panel < rule_.middle.size(); ++panel) {
-    const double half = rule_.half_length[panel], from = rule_.middle[panel] - w + turn_,
-                 offset = from - 2.0 * pi * std::round(from / (2.0 * pi));
+    const auto half = static_cast<double>(rule_.half_length[panel]),
+               from = static_cast<double>(rule_.middle[panel] - w + turn_),
+               offset = from - 2.0 * pi * std::round(from / (2.0 * pi));
     if (offset * offset + decay_ * decay_ > kFar * kFar * half * half) {
       for (std::size_t k = 0; k < kNodes; ++k) {
         const DoubleComplex y = product(remembered_[panel * kNodes + k], back);
@@ -103,7 +105,7 @@ std::vector<DoubleComplex> MemoryWeights::at(double w) const {
     for (std::size_t k = 0; k < kNodes; ++k) {
       DoubleComplex sum = 0.0;
       for (std::size_t l = 0; l < kNodes; ++l) sum += legendre[k][l] * moments[l];
-      factors.push_back(beside_pole({decay_, -offset - half * gauss_legendre().node[k]}) -
+      factors.push_back(beside_pole({decay_, -offset - half * static_cast<double>(gauss_legendre().node[k])}) -
                         product(DoubleComplex(0.0, 1.0 / half), sum));
     }
   }

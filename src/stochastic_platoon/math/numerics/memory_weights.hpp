@@ -18,7 +18,7 @@ public:
 
   /// The factors at all nodes nu, for w in [-pi, pi]. Those at -nu are the conjugates of the ones at nu for -w and the
   /// conjugate of lambda.
-  std::vector<std::complex<double>> at(double w) const;
+  std::vector<std::complex<double>> at(long double w) const;
 
 private:
   const Quadrature& rule_;

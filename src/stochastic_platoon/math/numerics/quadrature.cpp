@@ -22,14 +22,14 @@ constexpr int kMostHalvings = 26;
 constexpr double kShortest = 1e-13;  // panel length; shorter panels have nodes that nearly coincide
 
 struct Panel {
-  double from;
-  double to;
-  double length() const { return to - from; }
+  long double from;
+  long double to;
+  long double length() const { return to - from; }
 };
 
 double squared_distance(const Panel& panel, std::complex<double> point) {
-  const double nearest = std::min(std::max(point.real(), panel.from), panel.to);
-  return std::norm(point - nearest);
+  const long double nearest = std::min(std::max<long double>(point.real(), panel.from), panel.to);
+  return std::norm(point - static_cast<double>(nearest));
 }
 
 /// The images in and around [0, pi] of a frequency under w -> -w and w -> w + 2 pi.
@@ -56,7 +56,7 @@ void add_resolved(std::vector<Panel>& panels, const Panel& panel, const std::vec
     panels.push_back(panel);
     return;
   }
-  const double middle = panel.from + panel.length() / 2.0;
+  const long double middle = panel.from + panel.length() / 2.0L;
   add_resolved(panels, {panel.from, middle}, singular);
   add_resolved(panels, {middle, panel.to}, singular);
 }
@@ -70,7 +70,7 @@ int halvings_towards(double peak, const std::vector<std::complex<double>>& singu
 }
 
 /// Adds cuts of [0, pi] whose spacing halves towards the peak from both sides.
-void add_graded_cuts(double peak, int halvings, std::vector<double>& cuts) {
+void add_graded_cuts(double peak, int halvings, std::vector<long double>& cuts) {
   if (peak < 0.0 || peak > pi) return;
   cuts.push_back(peak);
   for (int j = 0; j <= halvings; ++j) {
@@ -102,16 +102,16 @@ Quadrature computed_gauss_legendre() {
 }
 
 /// Adds the nodes of a panel that begins at `from`, cut into equal pieces.
-void add_pieces(double from, double half_length, int pieces, Quadrature& rule) {
+void add_pieces(long double from, long double half_length, int pieces, Quadrature& rule) {
   const Quadrature& gauss = gauss_legendre();
-  const double half = half_length / pieces;
+  const long double half = half_length / pieces;
   for (int piece = 0; piece < pieces; ++piece) {
-    const double middle = from + (2.0 * piece + 1.0) * half;
+    const long double middle = from + (2.0L * piece + 1.0L) * half;
     rule.middle.push_back(middle);
     rule.half_length.push_back(half);
     for (std::size_t k = 0; k < gauss.node.size(); ++k) {
       rule.node.push_back(middle + half * gauss.node[k]);
-      rule.weight.push_back(gauss.weight[k] * half / pi);
+      rule.weight.push_back(gauss.weight[k] * static_cast<double>(half) / pi);
     }
   }
 }
@@ -120,7 +120,8 @@ void add_pieces(double from, double half_length, int pieces, Quadrature& rule) {
 std::array<std::array<double, kGaussNodes>, 2> legendre_tail() {
   std::array<std::array<double, kGaussNodes>, 2> factors;
   for (std::size_t k = 0; k < kGaussNodes; ++k) {
-    const double x = gauss_legendre().node[k], weight = gauss_legendre().weight[k];
+    const auto x = static_cast<double>(gauss_legendre().node[k]);
+    const double weight = gauss_legendre().weight[k];
     double before = 1.0, legendre = x;  // P_0, P_1
     for (unsigned l = 1; l + 2 < kGaussNodes; ++l)
       before = std::exchange(legendre, boost::math::legendre_next(l, x, legendre, before));
@@ -147,15 +148,15 @@ OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
     return;
   weights_.resize(rule.node.size());
   for (std::size_t panel = 0; panel < rule.half_length.size(); ++panel) {
-    const double theta = m * rule.half_length[panel];
+    const auto theta = static_cast<double>(m * rule.half_length[panel]);
     applies_.push_back(theta > kResolved ? 1 : 0);
     if (theta <= kResolved) continue;
     std::vector<std::complex<double>> moments;  // (2 l + 1) (-j)^l j_l(theta)
-    std::complex<double> turn = std::polar(1.0, -m * rule.middle[panel]);
+    std::complex<double> turn = std::polar(1.0, static_cast<double>(-m * rule.middle[panel]));
     for (unsigned l = 0; l < kGaussNodes; ++l, turn *= std::complex<double>(0.0, -1.0))
       moments.push_back(turn * (2.0 * l + 1.0) * boost::math::sph_bessel(l, theta));
     for (std::size_t k = panel * kGaussNodes; k < (panel + 1) * kGaussNodes; ++k) {
-      const double x = (rule.node[k] - rule.middle[panel]) / rule.half_length[panel];
+      const auto x = static_cast<double>((rule.node[k] - rule.middle[panel]) / rule.half_length[panel]);
       double before = 0.0, legendre = 1.0;
       std::complex<double> sum = 0.0;
       for (unsigned l = 0; l < kGaussNodes; ++l) {
@@ -170,23 +171,24 @@ OscillatingWeights::OscillatingWeights(const Quadrature& rule, double m) {
 Quadrature half_circle_quadrature(const std::vector<std::complex<double>>& singular, const std::vector<double>& peaks,
                                   int refinement, std::optional<std::size_t> factors) {
   const std::vector<std::complex<double>> around = images(singular);
-  std::vector<double> cuts{0.0, pi};
+  std::vector<long double> cuts{0.0L, boost::math::long_double_constants::pi};
   for (const double peak : peaks)
     add_graded_cuts(peak, factors ? halvings_towards(peak, around, *factors) : kMostHalvings, cuts);
   std::sort(cuts.begin(), cuts.end());
-  const auto close = [](double a, double b) { return b - a < 1e-14; };
+  const auto close = [](long double a, long double b) { return b - a < 1e-14L; };
   cuts.erase(std::unique(cuts.begin(), cuts.end(), close), cuts.end());
+  cuts.back() = boost::math::long_double_constants::pi;  // and not a peak there, in double
   std::vector<Panel> panels;
   for (std::size_t i = 1; i < cuts.size(); ++i) add_resolved(panels, {cuts[i - 1], cuts[i]}, around);
   Quadrature rule;
-  for (const Panel& panel : panels) add_pieces(panel.from, panel.length() / 2.0, 1 << refinement, rule);
+  for (const Panel& panel : panels) add_pieces(panel.from, panel.length() / 2.0L, 1 << refinement, rule);
   return rule;
 }
 
 Quadrature with_panels_cut(const Quadrature& rule, const std::vector<int>& pieces) {
   Quadrature finer;
   for (std::size_t panel = 0; panel < pieces.size(); ++panel) {
-    const double half = rule.half_length[panel];
+    const long double half = rule.half_length[panel];
     add_pieces(rule.middle[panel] - half, half, pieces[panel], finer);
   }
   return finer;

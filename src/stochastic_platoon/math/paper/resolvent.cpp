@@ -84,7 +84,7 @@ double resolvent_energy(const StateSpace& system, std::size_t followers) {
   const Quadrature rule = half_circle_quadrature(frequencies_of(zeros(r.delta_transfer->denominator)), {0.0});
   long double energy = 0.0L;
   for (std::size_t k = 0; k < rule.node.size(); ++k) {
-    const ResolventHalf& half = rule.node[k] < 1.5707963267948966 ? near : far;
+    const ResolventHalf& half = nearest(rule.node[k]) == Centre::kOne ? near : far;
     const long double t = circle_coordinate(rule.node[k], half.centre);
     const long double d = squared_modulus_at(half.denominator, half.centre, t);
     const long double gain = squared_modulus_at(half.transfer_numerator, half.centre, t) / d;

@@ -148,8 +148,8 @@ std::vector<double> PatternGain::maxima() const {
     }
   }
   // The nodes resolve every factor except where it is small: between two of them the slope turns at most once.
-  std::vector<double> nodes = half_circle_quadrature(singular, {}).node;
-  nodes.insert(nodes.begin(), 0.0);
+  std::vector<long double> nodes = half_circle_quadrature(singular, {}).node;
+  nodes.insert(nodes.begin(), 0.0L);
   const double pi = frequency_of(2.0L);
   nodes.push_back(pi);
   std::vector<double> found{pi};

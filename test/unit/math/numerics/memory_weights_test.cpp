@@ -24,7 +24,7 @@ TEST(MemoryWeights, IntegrateAKernelThatTheNodesDoNotResolve) {
         const std::vector<Complex> ahead = weights.at(w), behind = weights.at(-w);
         Complex sum = 0.0;
         for (std::size_t k = 0; k < rule.node.size(); ++k) {
-          const double f = 1.0 / std::norm(std::polar(1.0, rule.node[k]) - a);
+          const double f = 1.0 / std::norm(std::polar(1.0, static_cast<double>(rule.node[k])) - a);
           sum += 0.5 * rule.weight[k] * f * (ahead[k] + std::conj(behind[k]));
         }
         const Complex exact = remembered(memory, a, w);

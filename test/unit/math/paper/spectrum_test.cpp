@@ -43,7 +43,7 @@ TEST(Spectrum, HasTheStationaryVarianceAsItsMean) {
     const Quadrature rule = half_circle_quadrature(vehicle.pole_frequencies(), {}, 1);
     std::vector<double> mean(5, 0.0);
     for (std::size_t k = 0; k < rule.node.size(); ++k) {
-      const std::vector<double> spectra = error_spectra(model, 5, rule.node[k]);
+      const std::vector<double> spectra = error_spectra(model, 5, static_cast<double>(rule.node[k]));
       for (std::size_t i = 0; i < 5; ++i) mean[i] += rule.weight[k] * spectra[i];
     }
     const std::vector<double> variances = stationary_variances(model, 5);
