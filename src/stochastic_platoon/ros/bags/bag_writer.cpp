@@ -57,12 +57,20 @@ std::uint64_t message_digest(const stochastic_platoon::Position& message, std::u
 BagWriter::BagWriter(std::string name, const std::string& suffix, const std::string& compression,
                      const RecordedConfiguration& configuration)
     : name_(std::move(name)), suffix_(suffix) {
-  bag_.open(name_ + suffix_, rosbag::bagmode::Write);
   try {
+    bag_.open(name_ + suffix_, rosbag::bagmode::Write);
     begin(compression, configuration);
   } catch (...) {
     abandon();
     throw;
+  }
+}
+
+BagWriter::~BagWriter() {
+  try {
+    bag_.close();
+  } catch (const std::exception&) {
+    abandon();
   }
 }
 
@@ -134,9 +142,10 @@ void BagWriter::close() {
 // rosbag writes its index when it closes a file, also in its destructor, where a failure ends the program.
 void BagWriter::abandon() noexcept try {
   closed_bytes_ = bytes();
-  if (write_behind_) write_behind_->divert_others();
+  if (!write_behind_) write_behind_.emplace(name_ + suffix_);  // the first bytes of the file could not be written
+  write_behind_->divert_others();
   bag_.close();
-  if (write_behind_) write_behind_->finish();
+  write_behind_->finish();
 } catch (...) {
 }
 

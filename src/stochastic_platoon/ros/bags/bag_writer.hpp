@@ -32,6 +32,11 @@ public:
   BagWriter(std::string name, const std::string& suffix, const std::string& compression,
             const RecordedConfiguration& configuration);
 
+  /// Closes the file, or abandons it if that fails.
+  ~BagWriter();
+  BagWriter(const BagWriter&) = delete;
+  BagWriter& operator=(const BagWriter&) = delete;
+
   void write(const std::string& topic, const stochastic_platoon::Position& message);
 
   /// The recorded time is at least that of the latest step.

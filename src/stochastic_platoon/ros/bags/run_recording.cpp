@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
@@ -17,6 +19,16 @@ constexpr char kRecoveredSuffix[] = ".recovered";
 
 bool any_topic(const PlatoonTopic&) {
   return true;
+}
+
+// False if its recorder was killed, or found no space, before its first line.
+bool has_header(const std::string& file) {
+  constexpr std::string_view kHeader = "#ROSBAG V2.0\n";
+  std::string begin(kHeader.size(), ' ');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(stream.gcount()));
+  return begin.size() == kHeader.size() || kHeader.substr(0, begin.size()) != begin;
 }
 
 // All realizations before the returned one are recorded if `id` is the latest message of a stream.
@@ -41,6 +53,10 @@ RunRecording::RunRecording(const Configuration& configuration, const std::string
     abandon();
     throw;
   }
+}
+
+bool is_final(const ErrorStatistics& message, const RunOptions& run) {
+  return message.realizations == run.realizations && message.step + 1 == run.steps;
 }
 
 std::vector<std::string> recorded_topics(const Configuration& configuration, const std::string& name_space) {
@@ -131,9 +147,7 @@ void RunRecording::batch_complete() {
 void RunRecording::receive(const ErrorStatistics& message) {
   if (finished_ || message.header.stamp.isZero()) return;
   if (recording_) recording_->write(name_space_ + "/" + kErrorStatisticsTopic, message);
-  if (message.realizations == configuration_.run.realizations && message.step + 1 == configuration_.run.steps) {
-    final_statistics_ = true;
-  }
+  if (is_final(message, configuration_.run)) final_statistics_ = true;
 }
 
 void RunRecording::finish() {
@@ -202,7 +216,7 @@ void RunRecording::require_same_launch(const std::string& file, const std::strin
 // Finds the last whole batch of a file from the latest message of each stream: steps are written in their order, and
 // whole batches are not recorded again. Returns whether the file adds anything to the files before it.
 bool RunRecording::take_over(const std::string& file) {
-  if (std::filesystem::file_size(file) == 0) return false;  // killed before its first byte
+  if (!has_header(file)) return false;
   const BatchSchedule schedule = configuration_.run.schedule();
   std::vector<std::optional<MessageId>> latest(topics_.size());
   const auto misses_a_stream = [&latest] {

@@ -19,6 +19,9 @@ namespace platoon {
 /// and with radios the control inputs that are sent and received.
 std::vector<std::string> recorded_topics(const Configuration& configuration, const std::string& name_space);
 
+/// Whether these are the statistics of a complete run, of its last step: the last message of a recording.
+bool is_final(const stochastic_platoon::ErrorStatistics& message, const RunOptions& run);
+
 /// Writes a platoon's messages to a bag, in the order of steps and vehicles. A step is written when it has arrived on
 /// all streams, so only messages of incomplete steps are kept in memory. A finished file holds whole batches only: if
 /// an attempt was abandoned, the file is written once more without it. (An endless run has no batches: its steps stay

@@ -75,7 +75,10 @@ void Recorder::begin() {
   write([this] {
     recording_.emplace(configuration_, name_space_);
     tried_at_ = recording_->bytes();
-    if (recording_->finished()) reports_.set_finished();
+    if (recording_->finished()) return reports_.set_finished();
+    if (!final_statistics_) return;
+    recording_->receive(*final_statistics_);  // the monitor publishes them once
+    finish();
   });
 }
 
@@ -112,6 +115,7 @@ void Recorder::receive(std::size_t stream, const PositionEvent& event) {
 }
 
 void Recorder::receive_statistics(const ErrorStatistics::ConstPtr& message) {
+  if (is_final(*message, configuration_.run)) final_statistics_ = message;
   if (!recording_) return;
   write([&] {
     recording_->receive(*message);

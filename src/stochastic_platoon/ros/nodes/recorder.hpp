@@ -61,9 +61,10 @@ private:
   std::optional<RunRecording> recording_;  ///< none after a write error
   Arrivals reported_;                      ///< arrivals of the latest recording
   RetryPause pause_;
-  std::uint64_t tried_at_ = 0;   ///< bytes in the file when it was last opened
-  std::string write_error_;      ///< the latest write error
-  std::optional<double> began_;  ///< [s] first message
+  std::uint64_t tried_at_ = 0;                                      ///< bytes in the file when it was last opened
+  std::string write_error_;                                         ///< the latest write error
+  stochastic_platoon::ErrorStatistics::ConstPtr final_statistics_;  ///< received while nothing could be written, too
+  std::optional<double> began_;                                     ///< [s] first message
   std::optional<double> heard_;  ///< [s] since when all topics but inputs have a publisher
   ProgressReports reports_;
   std::vector<PositionInput> inputs_;  ///< per stream

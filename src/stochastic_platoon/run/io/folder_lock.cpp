@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <ctime>
@@ -45,10 +46,15 @@ std::optional<ProcessIdentity> read_process(std::istream& words) {
   return process;
 }
 
+// Empty if it is not whole: the machine ended before it was on the disk, and its holder with it.
 Entry entry_in(int descriptor) {
   char text[1000];
   const ssize_t length = ::pread(descriptor, text, sizeof text, 0);
-  std::istringstream stream(length > 0 ? std::string(text, static_cast<std::size_t>(length)) : "");
+  const std::string content = length > 0 ? std::string(text, static_cast<std::size_t>(length)) : "";
+  const bool is_whole = std::count(content.begin(), content.end(), '\n') >= 3 && content.back() == '\n' &&
+                        content.find('\0') == std::string::npos;
+  if (!is_whole) return {};
+  std::istringstream stream(content);
   Entry entry;
   std::getline(stream, entry.holder);
   entry.holder = printable(entry.holder);

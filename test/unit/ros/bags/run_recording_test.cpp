@@ -1,7 +1,11 @@
 #include "stochastic_platoon/ros/bags/run_recording.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <stdexcept>
+
+#include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "unit/ros/bags/run_recording_fixture.hpp"
 
 namespace platoon {
@@ -78,6 +82,30 @@ TEST_F(RunRecordingTest, RejectsTheUnfinishedFileOfAnotherLaunch) {
   configuration_.run.launch_id = "another launch";
   EXPECT_THROW(recording(), ConfigurationError);
   EXPECT_EQ(folder_.entries(), Names{"run.bag.active"});
+}
+
+TEST_F(RunRecordingTest, BeginsOnAFullDiskWithAnErrorAndLaterWithout) {
+  set_batches(2, 1);
+  ignore_file_size_signal();
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  for (const rlim_t size : {1u, 1000u, 4000u, 4100u, 20000u}) {
+    const rlimit full{size, limit.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
+    bool failed = false;
+    try {
+      recording();
+    } catch (const std::runtime_error&) {
+      failed = true;
+    }
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+    EXPECT_EQ(failed, size < 20000) << size;
+  }
+  RunRecording recorder = recording();
+  send(recorder, 1, 0);
+  send(recorder, 1, 1);
+  finish(recorder);
+  EXPECT_EQ(folder_.entries(), Names{"run.bag"});
 }
 
 }  // namespace

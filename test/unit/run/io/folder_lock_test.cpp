@@ -142,16 +142,26 @@ TEST(FolderLock, IdentifiesAProcessByItsStart) {
 TEST(FolderLock, OfAnotherMachineExcludesOthersForAWhileByTheTimeOfTheFile) {
   const TemporaryFolder folder;
   const std::string file = folder / ".lock";
-  for (const std::string content : {"launch one\n7 8 another-boot,pid:[1]\n-\n", "launch one"}) {
-    std::ofstream(file) << content;
-    const std::string error = rejection(folder, "launch two");
-    EXPECT_TRUE(contains(error, "is in use by launch one on another machine; it is free in "));
-    std::ofstream(file) << content;
-    set_time(file, std::time(nullptr) - 31);
+  const std::string content = "launch one\n7 8 another-boot,pid:[1]\n-\n";
+  std::ofstream(file) << content;
+  const std::string error = rejection(folder, "launch two");
+  EXPECT_TRUE(contains(error, "is in use by launch one on another machine; it is free in "));
+  std::ofstream(file) << content;
+  set_time(file, std::time(nullptr) - 31);
+  EXPECT_EQ(rejection(folder, "launch two"), "");
+  std::ofstream(file) << content;
+  set_time(file, std::time(nullptr) + 3600);
+  EXPECT_EQ(rejection(folder, "launch two"), "") << "a time to come";
+}
+
+// Lost power leaves a part of the text, or zeros in its place.
+TEST(FolderLock, IgnoresAnEntryThatIsNotWhole) {
+  const TemporaryFolder folder;
+  const std::string whole = "launch one\n7 8 another-boot,pid:[1]\n-\n";
+  for (const std::string& content :
+       {std::string("launch one"), whole.substr(0, whole.size() - 1), std::string(whole.size(), '\0')}) {
+    std::ofstream(folder / ".lock") << content;
     EXPECT_EQ(rejection(folder, "launch two"), "");
-    std::ofstream(file) << content;
-    set_time(file, std::time(nullptr) + 3600);
-    EXPECT_EQ(rejection(folder, "launch two"), "") << "a time to come";
   }
 }
 

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "simulation/machine.hpp"
+#include "simulation/world.hpp"
+#include "stochastic_platoon/ros/nodes/channel.hpp"
+#include "stochastic_platoon/ros/nodes/follower.hpp"
+#include "stochastic_platoon/ros/nodes/leader.hpp"
+#include "stochastic_platoon/ros/nodes/monitor.hpp"
+#include "stochastic_platoon/ros/nodes/recorder.hpp"
+
+namespace platoon::simulation {
+
+constexpr char kNamespace[] = "/platoon";
+
+/// A node of the package in a process that roslaunch keeps alive: its main, as in src/nodes, and its ends.
+class Process {
+public:
+  enum class Program { leader, channel, follower, monitor };
+
+  /// `index`: that of a follower. `kept`: one of followers.launch.
+  Process(World& world, Machine& machine, Program program, std::uint32_t index = 0, bool kept = false);
+  ~Process();
+
+  const std::string& name() const { return name_; }
+  Program program() const { return program_; }
+  bool runs() const { return node_ != nullptr; }
+  Node* node() const { return node_.get(); }
+
+  void start();
+  void stop();  ///< SIGTERM
+  void kill();  ///< SIGKILL
+  /// After the respawn delay and the time that a program needs to start. `is_due`: whether its launch still runs.
+  void start_again(std::function<bool()> is_due);
+  /// As main() returns with an error.
+  void fail();
+
+private:
+  void construct();
+  void destroy();
+  RunMembership::Join superseded();
+
+  World& world_;
+  Machine& machine_;
+  Program program_;
+  std::uint32_t index_;
+  bool kept_;
+  std::string name_;
+  std::unique_ptr<Node> node_;
+  std::vector<std::string> files_;  ///< beginnings of their names
+  std::unique_ptr<Leader> leader_;
+  std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Channel> channel_;
+  std::unique_ptr<Follower> follower_;
+  std::unique_ptr<Monitor> monitor_;
+};
+
+}  // namespace platoon::simulation
