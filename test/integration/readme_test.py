@@ -50,6 +50,8 @@ STANDING = (
     ("rosrun stochastic_platoon rospy_follower.py", "", " 3|external:="),
 )
 STAY_UP = "roslaunch stochastic_platoon live.launch"
+# roslaunch and rospy of Debian 11 call a method that its Python no longer has, when they end.
+OF_DEBIAN_11 = re.compile(r"Traceback \(most recent call last\):\n(?:  .*\n)*AttributeError: '\w+' object has no attribute 'isAlive'")
 
 
 FILES = ("README.md", "config/README.md", "launch/README.md", "launch/examples/README.md", "msg/README.md")
@@ -105,6 +107,7 @@ class Commands(unittest.TestCase):
         status = process.wait(timeout=4 * live_platoon.DEADLINE)
         text = self.said()
         self.assertEqual(status, 0, "{}\n{}".format(line, text))
+        text = OF_DEBIAN_11.sub("", text)
         for bad in ("Traceback", "[ERROR]", "FATAL", "RLException", "DISAGREE") + (() if line.startswith("cmake") else ("not found",)):
             self.assertNotIn(bad, text, line)
         if line.startswith("rosservice"):

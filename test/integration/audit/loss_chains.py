@@ -100,6 +100,8 @@ class Link:
         """The poles of the noise, of the mean response and of the second moments of the registers."""
         if not self.q:
             return self.poles
+        if self.white and not self.c:
+            return self.poles + [mpf(0)]
         if self.white:
             shift, predict = np.eye(len(self.c), k=-1), np.eye(len(self.c), k=-1)
             predict[:1] = [float(x) for x in self.c]

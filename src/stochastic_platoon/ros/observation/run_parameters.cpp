@@ -1,5 +1,8 @@
 #include "stochastic_platoon/ros/observation/run_parameters.hpp"
 
+#include <ros/master.h>
+#include <ros/this_node.h>
+
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -18,18 +21,28 @@ XmlRpc::XmlRpcValue parameter(const nlohmann::json& value) {
   return fits ? XmlRpc::XmlRpcValue(value.get<int>()) : XmlRpc::XmlRpcValue(value.dump());
 }
 
+// Not NodeHandle::setParam(): roscpp 1.15 waits for itself there if the node is stopped meanwhile, as it logs the error
+// while it holds the lock that its log needs.
+void set_parameter(const ros::NodeHandle& platoon, const std::string& name, const XmlRpc::XmlRpcValue& value) {
+  XmlRpc::XmlRpcValue request, response, payload;
+  request[0] = ros::this_node::getName();
+  request[1] = platoon.resolveName(name);
+  request[2] = value;
+  ros::master::execute("setParam", request, response, payload, true);
+}
+
 }  // namespace
 
 void set_run_parameters(const ros::NodeHandle& platoon, const Configuration& configuration) {
   const VehicleModel& vehicle = configuration.model.default_vehicle();
-  platoon.setParam("headway", vehicle.headway);
-  platoon.setParam("headway_seconds", vehicle.headway * configuration.model.sample_period);
-  platoon.setParam("noise_variance", vehicle.position().noise_variance);
+  set_parameter(platoon, "headway", vehicle.headway);
+  set_parameter(platoon, "headway_seconds", vehicle.headway * configuration.model.sample_period);
+  set_parameter(platoon, "noise_variance", vehicle.position().noise_variance);
   const nlohmann::json run = to_json(configuration.run);
   // An absent option becomes an empty text: the parameter of an earlier run must not remain.
   for (const Setting& setting : settings()) {
     if (setting.model_key == nullptr)
-      platoon.setParam(setting.name, parameter(run.value(setting.name, nlohmann::json(""))));
+      set_parameter(platoon, setting.name, parameter(run.value(setting.name, nlohmann::json(""))));
   }
 }
 
