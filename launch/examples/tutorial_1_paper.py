@@ -17,7 +17,7 @@ figure, axes = plt.subplots(figsize=(7.2, 3.8), constrained_layout=True)
 
 model = sp.Model.load("paper.yaml")
 critical = sp.analyze(model).critical_headway  # [sample periods]
-print("critical headway: {:.3f} sample periods ({:.3f} s)".format(critical, critical * model.sample_period))
+print("critical headway: {:.3f} s ({:.3f} sample periods)".format(critical * model.sample_period, critical))
 
 i = np.arange(1, 21)
 for h, colour in COLOURS.items():

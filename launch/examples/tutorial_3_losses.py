@@ -22,8 +22,8 @@ for policy, colour in (("hold", "#0072B2"), ("extrapolate", "#D55E00")):
     tenth = sp.analyze(link.replace(loss=0.1))
     critical = tenth["critical_loss_probability"]
     print("{}: critical loss probability at h = 3.2: {}".format(policy, "none" if critical is None else "{:.4f}".format(critical)))
-    print("{}: at a loss of 0.1: critical headway {:.3f} sample periods, limit variance {:.3f} m^2".format(
-        policy, tenth.critical_headway, tenth.limit_variance))
+    print("{}: at a loss of 0.1: critical headway {:.4f} s, limit variance {:.3f} m^2".format(
+        policy, tenth["critical_headway_seconds"], tenth.limit_variance))
 left.axhline(3.2, color="#222222", linestyle=":", label="h = 3.2")
 left.set(xlabel="loss probability", ylabel="critical headway [sample periods]", title="String stable above the curve", ylim=(2.5, 4.5))
 left.legend(frameon=False, loc="upper left")

@@ -209,7 +209,7 @@ PYBIND11_MODULE(_platoon, module) {
       .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); });
 
   module.def("parse_configuration", [](const std::string& text) {
-    const Configuration configuration = parse_configuration(text);
+    const Configuration configuration = parse_recorded_configuration(text);
     const nlohmann::json document = to_json(configuration);
     return py::make_tuple(Model::parse(document["model"].dump()), plain_object_of(document["run"]));
   });

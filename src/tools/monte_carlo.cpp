@@ -63,6 +63,7 @@ platoon::RecordedResults repeated(const std::string& file, const std::map<std::s
   run.resume = false;
   run.record.clear();
   run.launch_id.clear();
+  recorded.configuration.version = platoon::kVersion;
   return recorded;
 }
 

@@ -197,7 +197,7 @@ class Live(OnePlatoon):
             slider.value = 2.4; slider.dispatchEvent(new Event("input")); document.querySelector("[data-command=change]").click()""")
         self.wait_for_page("document.getElementById('verdict').textContent.includes('Not string stable')", "the new verdict")
         self.assertEqual(state(self.url)["headway"], 2.4)
-        self.assertIn("a run with headway 3.2 sample periods -> 2.4 sample periods", [event["text"] for event in state(self.url)["events"]])
+        self.assertIn("a run with headway 0.32 s (3.2 sample periods) -> 0.24 s (2.4 sample periods)", [event["text"] for event in state(self.url)["events"]])
         live_platoon.wait_for(lambda: self.step() > 0, "the first figures of the new run")
         self.steps_on()
 

@@ -75,7 +75,7 @@ class Demo(FolderTest):
     def check_screen(self, text):
         for headway in ("3.2", "2.4"):
             self.assertIn("roslaunch's own output: {}/headway-{}.log".format(self.results, headway), text)
-            self.assertIn("Platoon of 20 followers, h = {}".format(headway), text)
+            self.assertIn("Platoon of 20 followers, h = {:g} s ({} sample periods)".format(0.1 * float(headway), headway), text)
             self.assertTrue(os.path.exists("{}/headway-{}.log".format(self.results, headway)))
         self.assertEqual(len(re.findall(r"^ +20 ", text, re.MULTILINE)), 2)
         self.assertIn("h = 3.2: string stable", text)

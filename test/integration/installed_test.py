@@ -96,7 +96,7 @@ class Installed(unittest.TestCase):
         self.assertAlmostEqual(float(found[2]), 3.1572816, places=7)
 
     def test_the_tutorial_runs_and_finds_the_shipped_drive(self):
-        self.assertIn("critical headway: 2.800 sample periods", self.installed("rosrun stochastic_platoon tutorial_1_paper.py tutorial"))
+        self.assertIn("critical headway: 0.280 s (2.800 sample periods)", self.installed("rosrun stochastic_platoon tutorial_1_paper.py tutorial"))
         self.assertIn("theory 0.9620", self.installed("rosrun stochastic_platoon tutorial_5_drive.py tutorial"))
         self.assertEqual(sorted(os.listdir(os.path.join(self.folder, "tutorial"))), ["tutorial_1_paper.png", "tutorial_5_drive.png"])
 
@@ -130,7 +130,7 @@ class Installed(unittest.TestCase):
         self.installed("cp -r install/share/stochastic_platoon/launch/examples/string_margin margin && "
                        "cmake -S margin -B margin/build -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C margin/build")
         printed = self.installed("margin/build/devel/lib/string_margin/string_margin")
-        self.assertIn("critical headway 2.8000 sample periods", printed)
+        self.assertIn("critical headway 0.2800 s", printed)
         self.assertIn("variance 1.361445 m^2 of follower 1, 2.281824 m^2 of follower 20, 2.292677 m^2 in an endless string", printed)
 
     @unittest.skipUnless(os.path.exists(os.path.join(build, "CPackConfig.cmake")) and shutil.which("dpkg-deb"), "needs a build of this package alone, on Debian")

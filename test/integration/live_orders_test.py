@@ -91,7 +91,7 @@ class Manoeuvres(Orders):
         live_platoon.wait_for(lambda: len(speeds()) > 9 and min(speeds()) < 9.0 and max(speeds()) > 11.0, "the leader to swing about 10 m/s", 60)
         self.assertTrue(self.trigger("cruise").success)
         speed_is(20.0)
-        terminal.wait_for_text("the leader drives by the model file again: averages go on in 100 steps (10 s)", 60)
+        terminal.wait_for_text("the leader drives by the model file again: averages go on in 10 s (100 steps)", 60)
         # A new attempt starts with the leader of the model file.
         self.assertTrue(self.trigger("brake").success)
         live_platoon.kill("/platoon/platoon" if hosting == "one_process" else "/platoon/vehicle_3")

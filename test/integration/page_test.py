@@ -32,7 +32,7 @@ class States(Fed):
                 top, foot = self.browser.run(WHISKERS)
                 self.assertGreaterEqual(top, float(chart["top"]) - 0.1)
                 self.assertLessEqual(foot, float(chart["foot"]) + 0.1)
-            self.assertIn("headway h3.2 sample periods = 0.32 s", self.browser.text("#facts"))
+            self.assertIn("headway h0.32 s = 3.2 sample periods", self.browser.text("#facts"))
             self.assertIn("leader 20.0 m/s (72 km/h)", self.browser.text("#road-note"))
             road = self.browser.run("return {...document.getElementById('road').dataset, height: document.getElementById('road').clientHeight}")
             self.assertIn(float(road["scale"]), [v * p for v in (1, 2, 5) for p in (1, 10, 100)])
@@ -110,7 +110,7 @@ class States(Fed):
         self.state.take_overview(endless(500, 0, attempt=0, mean=[math.nan] * 500, variance=[math.nan] * 500), 0.0)
         self.text_comes("#string-note", "213 of 501")
         self.drive(range(0, 1), mean=[math.nan] * 500, variance=[math.nan] * 500)
-        self.text_comes("#string-note", "theory; burn-in until step 200, 20 s of driving from now")
+        self.text_comes("#string-note", "theory; burn-in until 20 s (step 200), in 20 s of driving")
 
     def check_provisional(self, followers):
         pale = "document.querySelectorAll('#string rect.provisional').length"
@@ -122,7 +122,7 @@ class States(Fed):
         self.wait_for_page("{} == {}".format(pale, followers), "pale bars")
         self.browser.run("document.getElementById('table-card').open = true")
         for _ in self.at_both_sizes("provisional-{}".format(followers)):
-            self.text_comes("#string-note", "provisional averages up to step 90 (9 s): burn-in until step 200, 11 s of driving from now")
+            self.text_comes("#string-note", "provisional averages up to 9 s (step 90): burn-in until 20 s (step 200), in 11 s of driving")
             self.text_comes("#curves-note", "provisional averages up to k")
             self.text_comes("#string-key", "provisional, until the burn-in is over")
             self.text_comes("#table tbody tr:nth-child(2) td:nth-child(3)", "~ 2.84147")
@@ -131,10 +131,10 @@ class States(Fed):
         self.browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true}))")
         self.text_comes("#readout", "Follower 1: provisional variance 2 m")
         self.drive(range(100, 101), mean=nothing, variance=nothing, provisional_mean=[0.1] * followers, provisional_variance=early, manoeuvre=True, counted_from=301)
-        self.text_comes("#string-note", "provisional averages, paused while the leader manoeuvres: burn-in at the earliest until step 301, 20.1 s of driving from now")
+        self.text_comes("#string-note", "provisional averages, paused while the leader manoeuvres: burn-in at the earliest until 30.1 s (step 301), in 20.1 s of driving")
         self.drive(range(BURN_IN, BURN_IN + 11))
         self.wait_for_page(pale + " == 0", "full bars")
-        self.text_comes("#string-note", "averages over time up to step 210")
+        self.text_comes("#string-note", "averages over time up to 21 s (step 210)")
         self.assertEqual(self.browser.run("return ['string-key', 'curves-key'].map(key => document.getElementById(key).hidden)"), [True, True])
         self.assertNotIn("~", self.browser.text("#table"))
 
@@ -154,7 +154,7 @@ class States(Fed):
         for _ in self.at_both_sizes("restart"):
             self.text_comes("#log", "step 340: attempt 2: the platoon restarts at step 0")
             self.text_comes("#curves-note", "since the latest restart")
-            self.text_comes("#string-note", "averages paused: burn-in after a manoeuvre or restart, until step 200, 15 s of driving from now")
+            self.text_comes("#string-note", "averages paused: burn-in after a manoeuvre or restart, until 20 s (step 200), in 15 s of driving")
         curves = self.state.give("curves")
         self.assertEqual(curves["step"], [0, 10, 20, 30, 40, 50])
         self.assertEqual(self.state.document()["restarts"], 1)
@@ -165,12 +165,12 @@ class States(Fed):
         self.drive(range(BURN_IN + 100, BURN_IN + 121), manoeuvre=True, counted_from=540)
         self.open()
         for _ in self.at_both_sizes("manoeuvre"):
-            self.text_comes("#string-note", "averages paused: the leader manoeuvres; at the earliest until step 540, 22 s of driving from now")
+            self.text_comes("#string-note", "averages paused: the leader manoeuvres; at the earliest until 54 s (step 540), in 22 s of driving")
             self.text_comes("#log", "step 300: the leader manoeuvres: averages are paused")
         self.drive(range(330, 331), counted_from=550)
-        self.text_comes("#string-note", "averages paused: burn-in after a manoeuvre or restart, until step 550")
+        self.text_comes("#string-note", "averages paused: burn-in after a manoeuvre or restart, until 55 s (step 550)")
         self.drive(range(550, 551), counted_from=550)
-        self.text_comes("#string-note", "averages over time up to step 550")
+        self.text_comes("#string-note", "averages over time up to 55 s (step 550)")
         self.text_comes("#log", "step 550: averages go on")
 
     def test_a_stopped_follower_is_named_and_vehicles_that_overlap_are_marked(self):
@@ -240,28 +240,28 @@ class States(Fed):
         self.state.take_snapshot(snapshot(3104, 5))
         self.state.take_topics({"vehicle_{}/position".format(i) for i in range(6)} | {"overview"})
         for _ in self.at_both_sizes("paced"):
-            self.text_comes("#facts", "step k3104 of 5999 (310.4 s)")
-            self.text_comes("#string-note", "theory; the first figures appear when a batch of realizations is complete, behind step 5999 (599.9 s)")
+            self.text_comes("#facts", "time t310.4 s of 599.9 s (step 5999)")
+            self.text_comes("#string-note", "theory; the first figures appear when a batch of realizations is complete, behind 599.9 s (step 5999)")
 
     def test_header_and_strip_show_the_same_step(self):
         self.begin(20)
         self.drive(range(BURN_IN, BURN_IN + 58))
         self.open()
-        self.text_comes("#facts", "step k257")
+        self.text_comes("#facts", "time t25.7 s")
         self.assertEqual(self.browser.run("return document.getElementById('strip').dataset.step"), "257")
 
     def test_a_paused_page_stands_still_and_then_shows_everything(self):
         self.begin(20)
         self.drive(range(BURN_IN, BURN_IN + 21))
         self.open()
-        self.text_comes("#facts", "step k220")
+        self.text_comes("#facts", "time t22 s")
         self.browser.run("document.getElementById('pause').click()")
         self.text_comes("#connection", "paused")
         live_platoon.wait_for(lambda: self.state.take_order("an order") or not self.server.streams.streams, "the end of its stream", 20.0)
         self.drive(range(BURN_IN + 21, BURN_IN + 41))
-        self.assertIn("step k220", self.browser.text("#facts"))
+        self.assertIn("time t22 s", self.browser.text("#facts"))
         self.browser.run("document.getElementById('pause').click()")
-        self.text_comes("#facts", "step k240")
+        self.text_comes("#facts", "time t24 s")
         self.text_comes("#connection", "live")
         self.assertEqual(self.browser.text("#pause"), "Pause")
 

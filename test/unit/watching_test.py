@@ -43,7 +43,7 @@ class Configuration(unittest.TestCase):
     def test_another_version_is_named(self):
         known = state.PlatoonState()
         known.take_configuration(message(data=configuration().data.replace(sp.__version__, "0.1.9")))
-        self.assertIn("version: 0.1.9: must be " + sp.__version__, " ".join(table.table(known.document(), 24)))
+        self.assertIn("version: 0.1.9: must be 0.2.0 or " + sp.__version__, " ".join(table.table(known.document(), 24)))
 
 
 class Conduct(unittest.TestCase):
@@ -245,13 +245,13 @@ class State(unittest.TestCase):
                                              "averages go on"])
         self.state.take_overview(endless(3, 600, counted_from=800), 0.0)  # it began and ended between two overviews
         self.assertEqual(self.texts()[-2:], ["the leader manoeuvres: averages are paused", "the manoeuvre is over: averages go on at step 800"])
-        self.assertIn("averages over time up to step 600 (60 s), burn-in: paused until step 800", table.table(self.state.document(), 24)[2])
+        self.assertIn("averages over time up to 60 s (step 600), burn-in: paused until 80 s (step 800)", table.table(self.state.document(), 24)[2])
 
     def test_changes_orders_and_the_end_of_a_run_are_events(self):
         self.state.take_overview(overview(complete=True), 0.0)
         self.state.take_order("the leader brakes")
         self.state.take_configuration(configuration(time_headway=2.4))
-        self.assertEqual(self.texts()[-3:], ["complete", "the leader brakes", "a run with headway 3.2 sample periods -> 2.4 sample periods"])
+        self.assertEqual(self.texts()[-3:], ["complete", "the leader brakes", "a run with headway 0.32 s (3.2 sample periods) -> 0.24 s (2.4 sample periods)"])
         for _ in range(200):
             self.state.take_order("again")
         self.assertEqual(len(self.texts()), 100)
@@ -311,11 +311,11 @@ class Table(unittest.TestCase):
     def test_has_a_row_of_mean_variance_error_theory_and_score(self):
         self.assertEqual(table_of(3, 50)[-1].split(), ["3", "3.3", "33", "0.5", "34", "-1.00"])
 
-    def test_gives_times_in_seconds_beside_steps(self):
+    def test_gives_times_in_seconds_before_steps(self):
         first, _, second = table_of(3, 50)[:3]
-        self.assertIn("h = 3.2 (0.32 s)", first)
-        self.assertIn("step 3 (0.3 s), 100 of 1000 realizations", second)
-        self.assertIn("averages over time up to step 3 (0.3 s)", " ".join(table_of(3, 50, time_average=True)))
+        self.assertIn("h = 0.32 s (3.2 sample periods)", first)
+        self.assertIn("0.3 s (step 3), 100 of 1000 realizations", second)
+        self.assertIn("averages over time up to 0.3 s (step 3)", " ".join(table_of(3, 50, time_average=True)))
 
     def test_shows_the_step_of_a_drive_before_its_figures(self):
         known = state.PlatoonState()
@@ -329,7 +329,7 @@ class Table(unittest.TestCase):
         self.assertEqual((document["start"], document["present"]), (None, {"realization": 0, "step": 3104}))
         known.take_topics({"vehicle_0/position"})
         self.assertIsNone(known.document()["start"])
-        self.assertIn("nothing is measured yet: realization 0 at step 3104 of 5999 (310.4 s)", " ".join(table.table(document, 50)))
+        self.assertIn("nothing is measured yet: realization 0 at 310.4 s of 599.9 s (step 5999)", " ".join(table.table(document, 50)))
 
     def test_marks_provisional_averages(self):
         known = state.PlatoonState()
@@ -337,7 +337,7 @@ class Table(unittest.TestCase):
         known.take_overview(burning_in(3, 20), 0.0)
         lines = table.table(known.document(), 50)
         self.assertEqual(lines[-1].split()[:3], ["3", "~0.02", "~5"])
-        self.assertIn("~ provisional averages up to step 20 (2 s), replaced when the burn-in is over: at the earliest at step 200 (20 s)", " ".join(lines))
+        self.assertIn("~ provisional averages up to 2 s (step 20), replaced when the burn-in is over: at the earliest at 20 s (step 200)", " ".join(lines))
         known.take_overview(burning_in(3, 30, manoeuvre=True, counted_from=231), 0.0)
         self.assertIn("~ provisional averages, paused while the leader manoeuvres, replaced", " ".join(table.table(known.document(), 50)))
         known.take_overview(endless(3, 200, counted_from=200), 0.0)

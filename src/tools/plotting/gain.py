@@ -20,17 +20,17 @@ SHOWN = (0.01, 50.0)  # [rad/s], what cars do
 
 
 def curve_of(analysis: sp.Analysis) -> Tuple[Array, Array]:
-    """Frequencies [rad/sample] and gains."""
+    """Frequencies [rad/s] and gains."""
     frequency, gain = (drawable_numbers(analysis, "gain_along_string." + key) for key in ("frequency", "gain"))
     if frequency.size != gain.size:
         raise ValueError("{}: gain_along_string must have as many gains as frequencies".format(analysis.path))
-    return frequency, gain
+    return frequency / analysis.number("sample_period"), gain
 
 
 def peak_of(analysis: sp.Analysis) -> Tuple[float, float]:
-    """Frequency [rad/sample] and height; NaN where the loop is unstable."""
+    """Frequency [rad/s] and height; NaN where the loop is unstable."""
     where, height = (float(drawable(np.array(analysis.number(key)))) for key in ("peak_frequency", "peak_gain"))
-    return where, height
+    return where / analysis.number("sample_period"), height
 
 
 def draw_limit(axes: Axes, top: float) -> None:
@@ -52,23 +52,22 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
         if np.isfinite(height):
             top = max(top, min(height, HIGHEST))
         axes.plot(frequency, gain, color=style.colour(at), linewidth=1.8,
-                  label=("{}: peak {:.4g} at $\\omega = {:.3g}$".format(name, height, where) if np.isfinite(height)
+                  label=("{}: peak {:.4g} at {:.3g} rad/s".format(name, height, where) if np.isfinite(height)
                          else "{}: the loop is unstable".format(name)))
         axes.plot([where], [height], style.marker(at), color=style.colour(at), markersize=6,
                   markeredgecolor="white", clip_on=False, zorder=5)
     draw_limit(axes, 1.15 * top)
-    axes.text(0.99 * np.pi, 1.14 * top, "errors grow along the string", ha="right", va="top", color=style.BOUND)
-    axes.set_xlim(0.0, np.pi)
-    axes.set_xticks(np.linspace(0.0, np.pi, 5))
-    axes.set_xticklabels(["0", "$\\pi/4$", "$\\pi/2$", "$3\\pi/4$", "$\\pi$"])
-    axes.set_xlabel("frequency $\\omega$ [rad/sample]")
+    fastest = max(np.pi / analysis.number("sample_period") for analysis in analyses)
+    axes.text(0.99 * fastest, 1.14 * top, "errors grow along the string", ha="right", va="top", color=style.BOUND)
+    axes.set_xlim(0.0, fastest)
+    axes.set_xlabel("frequency [rad/s]")
     axes.set_ylabel("gain along the string")
     axes.legend()
     return figure
 
 
 def draw_each(analyses: Sequence[sp.Analysis], names: Sequence[str]) -> Figure:
-    """A panel for each analysis, with its verdict, over the frequency in rad/s."""
+    """A panel for each analysis, with its verdict."""
     columns = min(COLUMNS, len(analyses))
     rows = -(-len(analyses) // columns)
     figure, axes = style.new_figure(rows, columns, 2.25 * columns, 2.0 * rows)
@@ -80,7 +79,7 @@ def draw_each(analyses: Sequence[sp.Analysis], names: Sequence[str]) -> Figure:
         where, height = peak_of(analysis)
         good = analysis.string_stable is True
         draw_limit(panel, 1.1 * top)
-        panel.plot(frequency / analysis.number("sample_period"), gain, color=style.colour(0) if good else style.BOUND, linewidth=1.6)
+        panel.plot(frequency, gain, color=style.colour(0) if good else style.BOUND, linewidth=1.6)
         grows = ", peak {:.3f}".format(height) if not good and height > 1.0 else ""
         panel.set_title("{}\n{}{}".format(name, style.verdict(analysis.string_stable), grows), fontsize=8.5,
                         color=style.INK if good else style.BOUND)

@@ -104,10 +104,8 @@ def worst_of(gaps: sp.Gaps) -> int:
 
 def worst_in_words(run: sp.Results) -> str:
     gaps, row = run.gaps, worst_of(run.gaps)
-    period, step = style.period_of(run), int(gaps.step[row])
-    at = ", step {}".format(step) if np.isnan(period) else ", {:.4g} s (step {})".format(step * period, step)
-    return "smallest gap {} m: follower {}, realization {}{}".format(
-        style.signed(gaps.smallest_gap[row]), row + 1, style.spaced(int(gaps.realization[row])), at)
+    return "smallest gap {} m: follower {}, realization {}, {}".format(
+        style.signed(gaps.smallest_gap[row]), row + 1, style.spaced(int(gaps.realization[row])), style.time_of_step(run, int(gaps.step[row])))
 
 
 def draw_distribution(axes: Axes, gaps: sp.Gaps) -> None:

@@ -83,13 +83,13 @@ def draw_theory(axes: Axes, shown: Case, name: str, colour: str) -> List[Any]:
 def draw_measured(axes: Axes, run: sp.Results, stationary: Array, name: str, colour: str, marker: str) -> List[Any]:
     """Draws the variances of the run's last step; returns the legend entries."""
     measured = drawable_errors(run)
-    last = style.spaced(int(run.steps[-1]))
+    last = style.time_of_step(run, int(run.steps[-1]))
     errors = style.SHOWN_ERRORS * drawable(run.standard_error_of_variance)
-    label = "{}: {}{}".format(name, ("time average up to step {}" if run.time_average else "measured at step {}").format(last),
+    label = "{}: {}{}".format(name, ("time average up to {}" if run.time_average else "measured at {}").format(last),
                               ", $\\pm${} standard errors".format(style.SHOWN_ERRORS) if np.isfinite(errors).any() else "")
     legend = [style.draw_measured(axes, measured.variance[:, -1], errors, fmt=marker, color=colour, markerfacecolor="white", label=label)]
     theory = measured.theoretical_variance[:, -1]
     if not run.time_average and not np.allclose(theory, stationary, rtol=SETTLED, atol=0.0, equal_nan=True):
         legend += style.draw_theory(axes, theory, color=colour, linewidth=1.3, linestyle=":",
-                                    label="{}: theory at step {}, not yet stationary".format(name, last))
+                                    label="{}: theory at {}, not yet stationary".format(name, last))
     return legend

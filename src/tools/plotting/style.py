@@ -123,6 +123,12 @@ def period_of(run: sp.Results) -> float:
         return float("nan")
 
 
+def time_of_step(run: sp.Results, step: int) -> str:
+    """9.9 s (step 99)."""
+    period = period_of(run)
+    return ("step {}" if np.isnan(period) else "{:.4g} s (step {})").format(*([] if np.isnan(period) else [step * period]), spaced(step))
+
+
 def follower_ticks(followers: int) -> List[float]:
     """First, last and round numbers between them, without those so close to the ends that the labels would touch."""
     between = MaxNLocator(nbins=5, steps=[1, 2, 5, 10], integer=True).tick_values(1, followers)

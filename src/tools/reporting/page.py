@@ -136,7 +136,7 @@ def numbers(run: sp.Results) -> str:
                      number(spread[row], 2), number(theory), number(apart, 3), number(stationary[row])])
     return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]", "difference in standard errors",
                   "stationary variance, theory [m²]"], rows,
-                 "Tracking errors at step {} ({:.6g} s)".format(last, last * run.sample_period))
+                 "Tracking errors at {:.6g} s (step {})".format(last * run.sample_period, last))
 
 
 def gap_numbers(run: sp.Results) -> str:

@@ -7,8 +7,8 @@ import time
 from typing import Any, Deque, Dict, Optional
 
 MOST = 100  # events
-# The fields of a configuration that a change of the run may alter, with their names and units.
-CHANGES = (("followers", "followers", ""), ("headway", "headway", " sample periods"), ("noise_variance", "noise variance", " m^2"),
+# The fields of a configuration that a change of the run may alter, with their names and units; None for sample periods.
+CHANGES = (("followers", "followers", ""), ("headway", "headway", None), ("noise_variance", "noise variance", " m^2"),
            ("loss", "loss", ""), ("link", "link", ""))
 
 
@@ -17,7 +17,10 @@ def is_paused(overview: Any) -> bool:
     return bool(overview.time_average and overview.attempt > 0 and overview.step[-1] < overview.counted_from)
 
 
-def shown(value: Any, unit: str) -> str:
+def shown(configuration: Dict[str, Any], key: str, unit: Optional[str]) -> str:
+    value = configuration[key]
+    if unit is None:
+        return "{:g} s ({:g} sample periods)".format(value * configuration["sample_period"], value)
     return "none" if value is None else (value if isinstance(value, str) else "{:g}".format(value)) + unit
 
 
@@ -42,10 +45,10 @@ class EventLog:
     def add_run(self, before: Optional[Dict[str, Any]], now: Dict[str, Any]) -> None:
         """Adds another configuration: see description.described()."""
         if before is None:
-            changes = [name + " " + shown(now[key], unit) for key, name, unit in CHANGES
+            changes = [name + " " + shown(now, key, unit) for key, name, unit in CHANGES
                        if now[key] is not None and (key != "headway" or now[key] > 0.0)]  # constant spacing has no headway
         else:
-            changes = ["{} {} -> {}".format(name, shown(before[key], unit), shown(now[key], unit)) for key, name, unit in CHANGES
+            changes = ["{} {} -> {}".format(name, shown(before, key, unit), shown(now, key, unit)) for key, name, unit in CHANGES
                        if before[key] != now[key]]
         self.add("run", "a run with " + ", ".join(changes) if changes else "another run with the same configuration")
 

@@ -23,32 +23,38 @@ def shown(followers: int, lines: int) -> List[int]:
     return list(range(1, half + 1)) + [0] + list(range(followers - half + 1, followers + 1))
 
 
+def time_of_step(state: Dict[str, Any], step: int) -> str:
+    return "{:.6g} s (step {})".format(step * state["sample_period"], step)
+
+
 def heading(state: Dict[str, Any]) -> List[str]:
     if state["followers"] is None:
         return [state["start"] or "Waiting for a platoon's monitor"]
     period = state["sample_period"]
-    spacing = ("h = {:g} ({:g} s)".format(state["headway"], state["headway"] * period) if state["headway"] else
+    spacing = ("h = {:g} s ({:g} sample periods)".format(state["headway"] * period, state["headway"]) if state["headway"] else
                "constant spacing of {:g} m".format(state["standstill_distance"]))
     first = "{}, P_d = {:g} m^2, {}, N = {}".format(spacing, state["noise_variance"], state["link"], state["followers"])
     if "reason" not in state:
         return [first, "Starting: " + state["start"] if state["start"] else "Starting"]
-    at = None if state["step"] is None else "{} ({:.6g} s)".format(state["step"], state["step"] * period)
+    def time_of(step: int) -> str:
+        return time_of_step(state, step)
+    at = None if state["step"] is None else time_of(state["step"])
     if state["provisional"]:
         step, until = state["provisional"]["step"], state["paused_until"]
         second = "~ provisional averages{}, replaced when the burn-in is over{}".format(
-            ", paused while the leader manoeuvres" if state["manoeuvre"] else " up to step {} ({:.6g} s)".format(step, step * period), "" if until is None else ": at the earliest at step {} ({:.6g} s)".format(until, until * period))
+            ", paused while the leader manoeuvres" if state["manoeuvre"] else " up to " + time_of(step), "" if until is None else ": at the earliest at " + time_of(until))
     elif at is None:
-        second = "nothing is measured yet" + (" (burn-in: {} steps, {:.3g} s of driving)".format(
-            state["burn_in"], state["burn_in"] * period) if state["endless"] else "")
+        second = "nothing is measured yet" + (" (burn-in: {:.3g} s of driving, {} steps)".format(
+            state["burn_in"] * period, state["burn_in"]) if state["endless"] else "")
         if state["present"] and not state["endless"]:
-            second += ": realization {} at step {} of {} ({:.6g} s)".format(
-                state["present"]["realization"], state["present"]["step"], state["steps"] - 1, state["present"]["step"] * period)
+            second += ": realization {} at {:.6g} s of {}".format(
+                state["present"]["realization"], state["present"]["step"] * period, time_of(state["steps"] - 1))
     elif state["time_average"]:
-        second = "averages over time up to step {}".format(at)
+        second = "averages over time up to {}".format(at)
         if state["paused_until"] is not None:
-            second += ", {}: paused until step {}".format("manoeuvre" if state["manoeuvre"] else "burn-in", state["paused_until"])
+            second += ", {}: paused until {}".format("manoeuvre" if state["manoeuvre"] else "burn-in", time_of(state["paused_until"]))
     else:
-        second = "step {}, {} of {} realizations".format(at, state["realizations"], state["realizations_wanted"])
+        second = "{}, {} of {} realizations".format(at, state["realizations"], state["realizations_wanted"])
         if state["max_abs_z"] is not None:
             second += ", largest |z| {:.2f} (plausible to {:.2f})".format(state["max_abs_z"], state["plausible_z"])
         elif state["realizations_needed"] is not None:
@@ -69,8 +75,8 @@ def smallest_gap(state: Dict[str, Any]) -> List[str]:
     if not known:
         return []
     gap, row = min(known)
-    return ["smallest gap {:.3g} m: follower {}, realization {}, step {}".format(
-        gap, row + 1, state["smallest_gap_realization"][row], state["smallest_gap_step"][row])]
+    return ["smallest gap {:.3g} m: follower {}, realization {}, {}".format(
+        gap, row + 1, state["smallest_gap_realization"][row], time_of_step(state, state["smallest_gap_step"][row]))]
 
 
 def table(state: Dict[str, Any], lines: int) -> List[str]:

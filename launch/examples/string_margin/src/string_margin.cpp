@@ -27,7 +27,7 @@ int main() {
   const std::optional<platoon::StableHeadways> headways = platoon::stable_headways(model);
   const std::vector<double> variances = platoon::stationary_variances(model, 20);
   std::printf("%s\n", verdict.reason.c_str());
-  std::printf("critical headway %.4f sample periods, here 3.2\n", headways.value().critical.value());
+  std::printf("critical headway %.4f s, here 0.32 s\n", headways.value().critical.value() * model.sample_period);
   std::printf("variance %.6f m^2 of follower 1, %.6f m^2 of follower 20, %.6f m^2 in an endless string\n",
               variances.front(), variances.back(), verdict.limit_variance.value());
   return 0;

@@ -243,6 +243,18 @@ std::string duration(std::int64_t steps, const PlatoonModel& model) {
   return formatted("%.6g s", static_cast<double>(steps) * model.sample_period);
 }
 
+std::string duration_in_steps(std::int64_t steps, const PlatoonModel& model) {
+  return duration(steps, model) + formatted(" (%lld steps)", static_cast<long long>(steps));
+}
+
+std::string time_of_step(std::int64_t step, const PlatoonModel& model) {
+  return duration(step, model) + formatted(" (step %lld)", static_cast<long long>(step));
+}
+
+std::string frequency_text(double w, double sample_period) {
+  return formatted("%.6g rad/s (%.6g rad/sample)", w / sample_period, w);
+}
+
 bool has_limits(const PlatoonModel& model) {
   return std::any_of(model.types.begin(), model.types.end(),
                      [](const VehicleType& type) { return type.vehicle.limits.any(); });

@@ -220,8 +220,12 @@ double start_slope(const PlatoonModel& model);
 /// it in steady motion by the headways and the delays of the links up to it [m].
 double start_place(const PlatoonModel& model, std::size_t follower);
 
-/// Duration of a number of steps, with its unit: "9.9 s".
+/// Duration of a number of steps, with its unit: "9.9 s"; "9.9 s (99 steps)"; "9.9 s (step 99)"; a frequency w
+/// [rad/sample] as "11.6 rad/s (1.16 rad/sample)".
 std::string duration(std::int64_t steps, const PlatoonModel& model);
+std::string duration_in_steps(std::int64_t steps, const PlatoonModel& model);
+std::string time_of_step(std::int64_t step, const PlatoonModel& model);
+std::string frequency_text(double w, double sample_period);
 
 /// Place of follower i in formation: -(delta_1 + ... + delta_i) [m].
 double place_in_formation(const PlatoonModel& model, std::size_t follower);

@@ -63,10 +63,10 @@ private:
 
 /// Ascending frequencies: several per turn of the longest delay of interest, and dense towards w = 0.
 std::vector<double> places() {
-  constexpr double kFirst = 1e-6, kRatio = 1.005, kStep = 0.002;
+  constexpr double kFirst = 1e-6, kGrowth = 1.005, kStep = 0.002;
   std::vector<double> found;
   double w = kFirst;
-  for (; w < static_cast<double>(kHalfTurn); w = std::min(w * kRatio, w + kStep)) found.push_back(w);
+  for (; w < static_cast<double>(kHalfTurn); w = std::min(w * kGrowth, w + kStep)) found.push_back(w);
   found.push_back(static_cast<double>(kHalfTurn));
   return found;
 }
@@ -99,12 +99,14 @@ bool hears_by_radio(const PlatoonModel& model) {
   });
 }
 
-std::optional<double> critical_delay(const PlatoonModel& model) {
+CriticalDelay critical_delay(const PlatoonModel& model) {
+  const auto none = [](const char* reason) { return CriticalDelay{std::nullopt, reason}; };
   const VehicleModel& own = model.default_vehicle();
-  if (!is_homogeneous(model) || farthest_ahead(model) > 1 || !own.design) return std::nullopt;
-  const auto sounds = [](const Input& input) { return is_of_radio(input) && input.gain != 0.0; };
-  if (std::none_of(own.inputs.begin(), own.inputs.end(), sounds)) return std::nullopt;
-  if (any_link(model, [](const LinkModel& link) { return link.loses(); })) return std::nullopt;
+  const auto is_heard = [](const Input& input) { return is_of_radio(input) && input.gain != 0.0; };
+  if (!is_homogeneous(model)) return none("the string has several types of vehicles");
+  if (!own.design || std::none_of(own.inputs.begin(), own.inputs.end(), is_heard)) return none("there is no radio");
+  if (farthest_ahead(model) > 1) return none("a vehicle farther ahead than the predecessor is heard");
+  if (any_link(model, [](const LinkModel& link) { return link.loses(); })) return none("a link loses messages");
   const VariedMargins margins = varied_margins(
       [&model](double delay) {
         PlatoonModel delayed = model;
@@ -115,12 +117,13 @@ std::optional<double> critical_delay(const PlatoonModel& model) {
       },
       1.0);
   const auto is_stable = [&](double delay) { return margins.gain(delay) > 0.0; };
-  if (!is_stable(1.0)) return std::nullopt;
+  if (!is_stable(1.0)) return none("the string is not stable at a delay of one step");
   constexpr double kConfirmed = 128.0;  // the exact verdict takes the cube of the delay
   const double found = smallest_delay(DelayAtFrequency(model)), whole = std::floor(found);
-  if (!(found <= kLongestCriticalDelay)) return std::nullopt;
-  if (whole < kConfirmed && (!is_stable(whole) || is_stable(whole + 1.0))) return std::nullopt;
-  return found;
+  if (!(found <= kLongestCriticalDelay)) return none("the string is stable at every delay up to 10000 steps");
+  if (whole < kConfirmed && (!is_stable(whole) || is_stable(whole + 1.0)))
+    return none("the verdicts beside it are not decided");
+  return {found, {}};
 }
 
 }  // namespace platoon

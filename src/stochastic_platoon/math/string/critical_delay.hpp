@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 
@@ -11,7 +12,12 @@ constexpr double kLongestCriticalDelay = 10000.0;  ///< [steps]
 /// Whether vehicles hear anything of their predecessor by radio.
 bool hears_by_radio(const PlatoonModel& model);
 
-/// The largest constant delay of the radio [steps], not necessarily whole, up to which a homogeneous string is string
+struct CriticalDelay {
+  std::optional<double> steps = {};
+  std::string reason = {};  ///< why there is none, after "none, as"
+};
+
+/// The largest constant delay of the radio, not necessarily whole, up to which a homogeneous string is string
 /// stable from a delay of one step on. The radio carries all that a vehicle hears of its predecessor but positions.
 ///
 /// With A the sum of N_j z^-m_j over the positions of the predecessor and B that of N_j S_j over its other signals (see
@@ -23,6 +29,6 @@ bool hears_by_radio(const PlatoonModel& model);
 /// None without a radio, in a string of several types, if a vehicle farther ahead than the predecessor is heard (but
 /// for the leader), if a link loses packets, if the string is not stable at one step, or if it is stable up to
 /// kLongestCriticalDelay.
-std::optional<double> critical_delay(const PlatoonModel& model);
+CriticalDelay critical_delay(const PlatoonModel& model);
 
 }  // namespace platoon

@@ -83,8 +83,8 @@ void judge(const PlatoonModel& model, StringStability& verdict) try {
                                                            : peak.frequency;
   verdict.mean_bounded = peak.gain <= 1.0 + kDoubt;
   if (peak.gain > 1.0 + kDoubt) {
-    verdict.reason = formatted("not string stable: %s has a peak of %.9g at w = %.6g rad/sample", name.c_str(),
-                               peak.gain, peak.frequency);
+    verdict.reason = formatted("not string stable: %s has a peak of %.9g at w = %s", name.c_str(), peak.gain,
+                               frequency_text(peak.frequency, model.sample_period).c_str());
     return;
   }
   if (!(1.0 - at_low > kDoubt * kLowFrequency)) {

@@ -39,7 +39,7 @@ const char* name_of_gain(const VehicleModel& first, std::size_t vehicles) {
 
 /// Judges |prod T^| alone: sets the peak, mean_bounded and, for a negative verdict, the reason. True if |prod T^| < 1
 /// for all w > 0.
-bool judge_gain(const PatternGain& gain, const std::string& name, StringStability& verdict) {
+bool judge_gain(const PatternGain& gain, const std::string& name, double sample_period, StringStability& verdict) {
   verdict.peak_gain = 1.0;
   verdict.peak_frequency = 0.0;
   const LeastMargin least = gain.least();
@@ -47,8 +47,8 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
     const PatternGain::Peak peak = gain.peak();
     verdict.peak_gain = 1.0 + peak.excess;
     verdict.peak_frequency = peak.frequency;
-    verdict.reason = formatted("not string stable: %s exceeds 1 by %.6g at %.6g rad/sample", name.c_str(), peak.excess,
-                               peak.frequency);
+    verdict.reason = formatted("not string stable: %s exceeds 1 by %.6g at %s", name.c_str(), peak.excess,
+                               frequency_text(peak.frequency, sample_period).c_str());
     return false;
   }
   verdict.mean_bounded = true;
@@ -61,8 +61,8 @@ bool judge_gain(const PatternGain& gain, const std::string& name, StringStabilit
   verdict.peak_frequency = least.frequency;
   verdict.undecided = true;
   verdict.reason = formatted(
-      "undecided: %s is 1 at %.6g rad/sample to the rounding of the model's numbers, so that they do not determine whether it stays below 1",
-      name.c_str(), least.frequency);
+      "undecided: %s is 1 at %s to the rounding of the model's numbers, so that they do not determine whether it stays below 1",
+      name.c_str(), frequency_text(least.frequency, sample_period).c_str());
   return false;
 }
 
@@ -83,10 +83,10 @@ bool judge_losses(double loss_gain, const Wording& words, StringStability& verdi
 }
 
 /// Judges a mean square stable string.
-void judge(const LinkedPattern& pattern, double speed, StringStability& verdict) {
+void judge(const LinkedPattern& pattern, const PlatoonModel& model, StringStability& verdict) {
   const std::string name = name_of_gain(pattern.types.front().vehicle(), pattern.size());
   const PatternGain gain = pattern.gain();
-  if (!judge_gain(gain, name, verdict)) return;
+  if (!judge_gain(gain, name, model.sample_period, verdict)) return;
   if (pattern.grows_at_zero(gain)) {
     verdict.reason = "not string stable: " + name + " < 1 for all w > 0, but 1 - " + name +
                      "^2 vanishes so fast at w = 0 that the variances grow without bound";
@@ -99,7 +99,7 @@ void judge(const LinkedPattern& pattern, double speed, StringStability& verdict)
   if (has_stage) verdict.loss_gain = losses;
   if (!judge_losses(losses, wording(pattern), verdict)) return;
   verdict.string_stable = true;
-  const std::vector<double> limits = limit_variances(pattern, speed);
+  const std::vector<double> limits = limit_variances(pattern, metres_per_step(model));
   verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
   const std::string radius = beside_one(verdict.spectral_radius);
   verdict.reason = pattern.has_losses()
@@ -138,7 +138,7 @@ StringStability string_stability(const PlatoonModel& model) {
   verdict.spectral_radius = pattern.spectral_radius();
   verdict.mean_square_stable = pattern.mean_square_stable();
   if (verdict.mean_square_stable) {
-    judge(pattern, metres_per_step(model), verdict);
+    judge(pattern, model, verdict);
   } else if (verdict.spectral_radius >= 1.0) {
     verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
   } else {

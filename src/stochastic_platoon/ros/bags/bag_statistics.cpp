@@ -4,7 +4,6 @@
 
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
-#include "stochastic_platoon/run/configuration/version.hpp"
 
 namespace platoon {
 
@@ -15,16 +14,7 @@ namespace {
 // Throws BagError if it was recorded by another version or is damaged.
 Configuration parse_recorded(const std::string& file, const std::string& text) {
   try {
-    const YAML::Node document = YAML::Load(text);
-    const std::string version =
-        document.IsMap() && document["version"] ? document["version"].as<std::string>() : "0.1.0";
-    if (version != kVersion) {
-      throw BagError(file + ": was recorded by stochastic_platoon " + version + ": must be of " + kVersion +
-                     ", this program's");
-    }
-    return parse_configuration(document);
-  } catch (const YAML::Exception& error) {
-    throw BagError(file + ": its configuration cannot be read: " + error.what());
+    return parse_recorded_configuration(text);
   } catch (const ConfigurationError& error) {
     throw BagError(file + ": its configuration is not valid: " + error.what());
   }

@@ -286,9 +286,8 @@ void Monitor::show_manoeuvre(bool departs) {
   if (departs) {
     ROS_INFO("the leader manoeuvres: averages are paused until its effect has decayed");
   } else {
-    const std::int64_t burn_in = configuration_.run.burn_in;
     ROS_INFO_STREAM("the leader drives by the model file again: averages go on in "
-                    << burn_in << " steps (" << duration(burn_in, configuration_.model) << ")");
+                    << duration_in_steps(configuration_.run.burn_in, configuration_.model));
   }
 }
 

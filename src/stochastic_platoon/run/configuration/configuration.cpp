@@ -14,6 +14,12 @@ namespace platoon {
 
 namespace {
 
+YAML::Node load_document(const std::string& text) try {
+  return YAML::Load(text);
+} catch (const YAML::Exception& error) {
+  throw ConfigurationError({std::string("configuration: must be YAML or JSON: ") + error.what()});
+}
+
 void require_version(Section& document) {
   if (!document.is_mapping()) return;
   if (!document.has("version")) {
@@ -113,21 +119,27 @@ Configuration parse_configuration(const YAML::Node& document) {
   if (model) require_inputs(*model, run, problems);
   if (model && run.burn_in_chosen) choose_burn_in(*model, run, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
-  return {*model, run};
+  return {*model, run, kVersion};
 }
 
 Configuration parse_configuration(const std::string& text) {
-  YAML::Node document;
-  try {
-    document = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError({std::string("configuration: must be YAML or JSON: ") + error.what()});
-  }
-  return parse_configuration(document);
+  return parse_configuration(load_document(text));
+}
+
+Configuration parse_recorded_configuration(const std::string& text) {
+  YAML::Node document = load_document(text);
+  const std::string version = document.IsMap() && document["version"] ? document["version"].as<std::string>() : "0.1.0";
+  if (!is_readable(version))
+    throw ConfigurationError({"version: " + version + ": must be " + kFirstReadableVersion + " or " + kVersion});
+  document["version"] = kVersion;
+  Configuration configuration = parse_configuration(document);
+  configuration.version = version;
+  return configuration;
 }
 
 nlohmann::json to_json(const Configuration& configuration) {
-  return {{"version", kVersion}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
+  return {
+      {"version", configuration.version}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
 }
 
 SignalCells cells_of(const Configuration& configuration) {
@@ -153,7 +165,7 @@ std::uint64_t run_identity(const Configuration& configuration) {
 nlohmann::json statistics_identity(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   nlohmann::json identity = to_json(configuration.model);
-  identity["version"] = kVersion;
+  identity["version"] = configuration.version;
   for (const VehicleType& type : configuration.model.types)
     identity["realization"][type.name] = to_json(type.vehicle.loop.realization);
   identity["seed"] = run.seed;

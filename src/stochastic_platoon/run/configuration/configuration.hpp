@@ -8,6 +8,7 @@
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "stochastic_platoon/run/configuration/run_options.hpp"
+#include "stochastic_platoon/run/configuration/version.hpp"
 
 namespace platoon {
 
@@ -18,6 +19,7 @@ namespace platoon {
 struct Configuration {
   PlatoonModel model;
   RunOptions run;
+  std::string version = kVersion;  ///< of the package that wrote it; a part of the run's identity
 };
 
 /// Parses {version: .., model: .., run: ..}. Throws ConfigurationError with all problems of both, or if another version
@@ -25,6 +27,8 @@ struct Configuration {
 Configuration parse_configuration(const YAML::Node& document);
 /// The same from text. Throws ConfigurationError if the text is not YAML (JSON is).
 Configuration parse_configuration(const std::string& text);
+/// The same from a recording, also of an earlier version that is_readable().
+Configuration parse_recorded_configuration(const std::string& text);
 
 /// The cells of the run's statistics.
 SignalCells cells_of(const Configuration& configuration);

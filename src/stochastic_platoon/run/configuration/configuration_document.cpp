@@ -159,6 +159,7 @@ YAML::Node configuration_document(const YAML::Node& model, const std::map<std::s
 YAML::Node configuration_document(const Configuration& base, const std::map<std::string, std::string>& given) {
   require_known(given);
   YAML::Node document = YAML::Load(to_json(base).dump());
+  document["version"] = kVersion;
   if (given.count("model") > 0 && !given.at("model").empty()) document["model"] = load_model(given.at("model"));
   for (const Setting& setting : settings()) {
     const auto value = given.find(setting.name);

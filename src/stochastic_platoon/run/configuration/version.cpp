@@ -7,4 +7,8 @@ namespace platoon {
 const char* const kVersion = PLATOON_VERSION;    // set by CMakeLists.txt
 const char* const kRevision = PLATOON_REVISION;  // set by revision.cmake
 
+bool is_readable(const std::string& version) {
+  return version == kVersion || version == kFirstReadableVersion;
+}
+
 }  // namespace platoon

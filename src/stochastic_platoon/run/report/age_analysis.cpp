@@ -29,8 +29,9 @@ std::string age_report(const PlatoonModel& model) {
   });
   if (!oldest) return "";
   return formatted(
-      "Age of information: %.6g steps since the last arrival on average, at most %.0f in all but 1e-6 of the steps\n",
-      mean_age(*oldest), age_exceeded_with(*oldest, 1e-6));
+      "Age of information: %.6g s (%.6g steps) since the last arrival on average, at most %.6g s (%.0f steps) in all but 1e-6 of the steps\n",
+      mean_age(*oldest) * model.sample_period, mean_age(*oldest),
+      age_exceeded_with(*oldest, 1e-6) * model.sample_period, age_exceeded_with(*oldest, 1e-6));
 }
 
 nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {

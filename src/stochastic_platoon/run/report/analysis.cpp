@@ -94,7 +94,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   }
   if (needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
     analysis.robustness.margins = loop_margins(model);
-  if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_radio_delay = critical_delay(model);
+  if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_delay = critical_delay(model);
   if (needs("stationary variances", {"stationary_variance", "contradictions"}))
     analysis.stationary_variance = stationary_variances(model, followers);
   if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))

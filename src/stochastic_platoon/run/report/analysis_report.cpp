@@ -15,9 +15,10 @@ namespace platoon {
 
 namespace {
 
-std::string shown(const std::vector<HeadwayInterval>& intervals) {
+std::string shown(const std::vector<HeadwayInterval>& intervals, double unit = 1.0) {
   std::string text;
-  for (const HeadwayInterval& interval : intervals) text += formatted(" [%.6g, %.6g]", interval.from, interval.to);
+  for (const HeadwayInterval& interval : intervals)
+    text += formatted(" [%.6g, %.6g]", interval.from * unit, interval.to * unit);
   return text.empty() ? " none" : text;
 }
 
@@ -40,9 +41,9 @@ std::string judged_gain(const PlatoonModel& model) {
 
 std::string peak_line(const PlatoonModel& model, const StringStability& stability) {
   return "Peak of " + judged_gain(model) + ": " +
-         (std::isnan(stability.peak_gain)
-              ? "none, as the errors do not settle\n"
-              : formatted("%.9g at w = %.6g rad/sample\n", stability.peak_gain, stability.peak_frequency));
+         (std::isnan(stability.peak_gain) ? "none, as the errors do not settle\n"
+                                          : formatted("%.9g at w = ", stability.peak_gain) +
+                                                frequency_text(stability.peak_frequency, model.sample_period) + "\n");
 }
 
 std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
@@ -54,12 +55,14 @@ std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
                                                      : "no vehicle of the string follows the default headway\n");
   }
   const StableHeadways& headways = *analysis.headways;
-  const std::string critical = headways.critical ? formatted("%.9g sample periods (%.9g s)", *headways.critical,
-                                                             *headways.critical * model.sample_period)
-                                                 : "none";
+  const double unit = model.sample_period;
+  const std::string critical =
+      headways.critical ? formatted("%.9g s (%.9g sample periods)", *headways.critical * unit, *headways.critical)
+                        : "none";
   return "Critical headway" + of_types(model, headways.types) + ": " + critical +
-         formatted("; string stable headways within [%.6g, %.6g]:", headways.searched.from, headways.searched.to) +
-         shown(headways.intervals) + "\n";
+         formatted("; string stable headways within [%.6g, %.6g] s:", headways.searched.from * unit,
+                   headways.searched.to * unit) +
+         shown(headways.intervals, unit) + "\n";
 }
 
 std::string text_of(const Input& input) {
@@ -87,7 +90,7 @@ std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
          shown(analysis.losses->intervals) + "\n";
 }
 
-/// "h = 8 (0.8 s), hears position of vehicle i-1 (0.6), position of vehicle i-2 (0.4)".
+/// "h = 0.8 s (8 sample periods), hears position of vehicle i-1 (0.6), position of vehicle i-2 (0.4)".
 std::string shares_line(const VehicleModel& last, const std::vector<std::vector<double>>& shares) {
   if (shares.empty()) return "";
   std::string text = "of which ";
@@ -166,9 +169,8 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   for (const std::string& contradiction : analysis.contradictions) text += contradiction_line(contradiction);
   text += report(configuration, analysis.signals);
   text += formatted(
-      "Largest norms over %zu followers and %lld steps k (%s): ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
-      analysis.moments.followers, static_cast<long long>(analysis.moments.steps),
-      duration(analysis.moments.steps, model).c_str(),
+      "Largest norms over %zu followers and %s: ||mean||_2 = %s, ||variance||_inf = %s (of one follower sqrt(sum of mean(k)^2), and the largest variance(k))\n",
+      analysis.moments.followers, duration_in_steps(analysis.moments.steps, model).c_str(),
       figure(sequence_norm(analysis.norms.mean.data(), analysis.norms.mean.size(), NormOrder::kInfinity), "m").c_str(),
       figure(sequence_norm(analysis.norms.variance.data(), analysis.norms.variance.size(), NormOrder::kInfinity), "m^2")
           .c_str());

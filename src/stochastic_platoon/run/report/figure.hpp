@@ -16,10 +16,11 @@ inline std::string figure(std::optional<double> value, const std::string& unit) 
   return formatted("%.6g", *value) + (unit.empty() ? "" : " " + unit);
 }
 
-/// "h = 3.2 (0.32 s)", or "constant spacing of 9.2 m".
+/// "h = 0.32 s (3.2 sample periods)", or "constant spacing of 9.2 m".
 inline std::string spacing_text(const VehicleModel& vehicle, double sample_period) {
-  return vehicle.constant_spacing ? formatted("constant spacing of %g m", vehicle.standstill_distance)
-                                  : formatted("h = %g (%g s)", vehicle.headway, vehicle.headway * sample_period);
+  return vehicle.constant_spacing
+             ? formatted("constant spacing of %g m", vehicle.standstill_distance)
+             : formatted("h = %g s (%g sample periods)", vehicle.headway * sample_period, vehicle.headway);
 }
 
 }  // namespace platoon

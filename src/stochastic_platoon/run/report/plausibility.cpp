@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
 
@@ -24,6 +25,13 @@ double fastest_of_leader(const PlatoonModel& model) {
   if (!recorded.empty()) return fastest;
   for (const SpeedChange& change : model.leader.changes()) fastest = std::max(fastest, std::abs(change.value));
   return fastest;
+}
+
+/// The largest -v or |a| that a vehicle's limits leave possible; infinite without limits. A clipped signal is not
+/// normal: its mean and deviation alone would say that cars reverse which cannot.
+double most_possible(const VehicleLimits& limits, bool is_speed) {
+  if (is_speed) return limits.speed ? -limits.speed->lower : kInfinity;
+  return limits.input ? std::max(-limits.input->lower, limits.input->upper) : kInfinity;
 }
 
 std::string of_type(const PlatoonModel& model, std::size_t type) {
@@ -61,6 +69,7 @@ void add_standstill(const PlatoonModel& model, std::size_t followers, std::vecto
 std::vector<std::string> motion_warnings(const PlatoonModel& model, const std::vector<SignalFigures>& signals,
                                          std::int64_t steps) {
   std::vector<std::string> warnings;
+  const auto width = static_cast<std::size_t>(steps);
   for (const SignalFigures& signal : signals) {
     const bool is_speed = signal.name == "speed";
     if (!is_speed && signal.name != "acceleration") continue;
@@ -69,16 +78,15 @@ std::vector<std::string> motion_warnings(const PlatoonModel& model, const std::v
     double largest = allowed;
     for (std::size_t c = 0; c < signal.mean.size(); ++c) {
       const double mean = is_speed ? -signal.mean[c] : std::abs(signal.mean[c]);
-      const double reached = mean + kOneInAHundred * std::sqrt(signal.variance[c]);
+      const double reached = std::min(mean + kOneInAHundred * std::sqrt(signal.variance[c]),
+                                      most_possible(vehicle(model, c / width + 1).limits, is_speed));
       if (!(reached > largest)) continue;
       largest = reached;
       worst = c;
     }
     if (!(largest > allowed)) continue;
-    const auto width = static_cast<std::size_t>(steps);
     const auto step = static_cast<std::int64_t>(worst % width);
-    const std::string where = formatted("follower %zu at step %lld (%s)", worst / width + 1,
-                                        static_cast<long long>(step), duration(step, model).c_str());
+    const std::string where = formatted("follower %zu at %s", worst / width + 1, time_of_step(step, model).c_str());
     warnings.push_back(
         is_speed ? formatted("speed: mean - 2.58 sigma = %.3g m/s, of %s: the car reverses", -largest, where.c_str())
                  : formatted("acceleration: |mean| + 2.58 sigma = %.3g m/s^2, of %s: cars reach %g m/s^2", largest,

@@ -46,9 +46,8 @@ std::string burn_in_warning(const Configuration& configuration) {
   const std::optional<std::int64_t> needed = settling_steps(model, configuration.run.followers);
   if (!needed || given >= *needed) return "";
   return formatted(
-      "burn_in: %lld: %s are below the %lld steps (%s) in which the start decays to 1e-6, so that the averages are not compared with the theory",
-      static_cast<long long>(given), duration(given, model).c_str(), static_cast<long long>(*needed),
-      duration(*needed, model).c_str());
+      "burn_in: %lld: %s are below the %s in which the start decays to 1e-6, so that the averages are not compared with the theory",
+      static_cast<long long>(given), duration(given, model).c_str(), duration_in_steps(*needed, model).c_str());
 }
 
 // Sets the values of all followers from the first external vehicle on to NaN.

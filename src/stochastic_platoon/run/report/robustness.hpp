@@ -5,13 +5,14 @@
 #include <string>
 
 #include "stochastic_platoon/math/response/loop_margins.hpp"
+#include "stochastic_platoon/math/string/critical_delay.hpp"
 
 namespace platoon {
 
 /// How far the loop is from instability, and the radio's delay from string instability.
 struct Robustness {
-  std::optional<LoopMargins> margins;               ///< see loop_margins()
-  std::optional<double> critical_radio_delay = {};  ///< [steps], see critical_delay()
+  std::optional<LoopMargins> margins;  ///< see loop_margins()
+  CriticalDelay critical_delay = {};
 };
 
 Robustness robustness(const PlatoonModel& model);

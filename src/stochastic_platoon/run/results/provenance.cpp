@@ -88,7 +88,7 @@ Configuration recorded_configuration(nlohmann::json document) {
   nlohmann::json& hosting = document.at("run").at("hosting");
   if (hosting == to_string(Hosting::monte_carlo) || hosting == to_string(Hosting::bag))
     hosting = to_string(Hosting::one_process);
-  return parse_configuration(document.dump());
+  return parse_recorded_configuration(document.dump());
 }
 
 RecordedResults read_summary(const std::string& file) {

@@ -18,18 +18,17 @@ bool is_shown(std::size_t follower, std::size_t followers) {
 
 std::string heading(const Configuration& configuration, const RunResult& result) {
   const RunOptions& run = configuration.run;
-  const auto last = static_cast<long long>(run.averaging() == Averaging::over_time ? result.last_step : run.steps - 1);
-  const std::string at = formatted("step %lld (%s)", last, duration(last, configuration.model).c_str());
+  const std::string at =
+      time_of_step(run.averaging() == Averaging::over_time ? result.last_step : run.steps - 1, configuration.model);
   if (run.averaging() == Averaging::over_realizations) {
     return "tracking errors at " + at +
            formatted(", %llu realizations\n", static_cast<unsigned long long>(result.realizations));
   }
-  const auto burn_in = static_cast<long long>(run.burn_in);
   std::string text =
       "time averages up to " + at +
       formatted(
-          ", behind a burn-in of %lld steps (%s): variance over time; standard errors include the correlation of successive errors\n",
-          burn_in, duration(burn_in, configuration.model).c_str());
+          ", behind a burn-in of %s: variance over time; standard errors include the correlation of successive errors\n",
+          duration_in_steps(run.burn_in, configuration.model).c_str());
   if (result.tally.attempts > 1)
     text += formatted("the run was begun %u times, each time with a burn-in and new noise\n", result.tally.attempts);
   return text;

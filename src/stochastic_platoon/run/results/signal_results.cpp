@@ -202,10 +202,9 @@ std::string amplification_report(const Configuration& configuration, const Predi
 std::string gap_lines(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const std::size_t vehicle = nearest_follower(result.gaps);
   const FollowerGaps& of = result.gaps.followers()[vehicle - 1];
-  std::string text =
-      formatted("Smallest gap: %.6g m, follower %zu, realization %llu, step %lld (%s)\n", of.smallest.gap, vehicle,
-                static_cast<unsigned long long>(of.smallest.realization), static_cast<long long>(of.smallest.step),
-                duration(of.smallest.step, configuration.model).c_str());
+  std::string text = formatted("Smallest gap: %.6g m, follower %zu, realization %llu, %s\n", of.smallest.gap, vehicle,
+                               static_cast<unsigned long long>(of.smallest.realization),
+                               time_of_step(of.smallest.step, configuration.model).c_str());
   const std::vector<FollowerGaps>& all = result.gaps.followers();
   const auto worst = std::max_element(
       all.begin(), all.end(), [](const FollowerGaps& a, const FollowerGaps& b) { return a.collisions < b.collisions; });
@@ -234,9 +233,9 @@ std::string signals_report(const Configuration& configuration, const Prediction&
     const std::size_t last = cell(run.followers, run.steps - 1, run.steps);
     const Moments& of = result.signals[s][last];
     const char* const unit = unit_of(run.signals[s]);
-    text +=
-        formatted("%s of follower %zu at step %lld: mean %.6g %s, standard deviation %.6g %s", run.signals[s].c_str(),
-                  run.followers, static_cast<long long>(run.steps - 1), of.mean, unit, std::sqrt(of.variance()), unit);
+    text += formatted("%s of follower %zu at %s: mean %.6g %s, standard deviation %.6g %s", run.signals[s].c_str(),
+                      run.followers, time_of_step(run.steps - 1, configuration.model).c_str(), of.mean, unit,
+                      std::sqrt(of.variance()), unit);
     text += has_signal_theory(prediction, run.followers)
                 ? formatted(" (theory %.6g, %.6g)\n", prediction.signals[s].mean[last],
                             std::sqrt(prediction.signals[s].variance[last]))

@@ -99,6 +99,8 @@ ShardRun shard_run_of(const nlohmann::json& record) {
     ShardRun run{recorded_configuration(record.at("configuration")),
                  {record.at("index").get<std::uint64_t>(), record.at("of").get<std::uint64_t>()},
                  record.value("rare", nlohmann::json())};
+    if (run.configuration.version != kVersion)
+      throw std::invalid_argument("version: " + run.configuration.version + ": must be " + kVersion);
     run.configuration.run.hosting = Hosting::monte_carlo;
     run.range();  // throws if there is no such shard
     return run;

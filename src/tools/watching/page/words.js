@@ -7,17 +7,17 @@ const at = id => document.getElementById(id);
 const write = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
 const seconds = (steps, { sample_period }) => `${+(steps * sample_period).toPrecision(6)} s`;
-const atStep = (step, run) => step == null ? "–" : `${step} (${seconds(step, run)})`;
+const atStep = (step, run) => step == null ? "–" : `${seconds(step, run)} (step ${step})`;
 
 // Text on the present content of the averages.
 function averagesOf(of, run, health) {
   if (of.step === null && health?.start) return health.start;
-  if (!of.time_average) return of.step === null ? `theory; the first figures appear when a batch of realizations is complete, behind step ${atStep(run.steps - 1, run)}` : `at step ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
+  if (!of.time_average) return of.step === null ? `theory; the first figures appear when a batch of realizations is complete, behind ${atStep(run.steps - 1, run)}` : `at ${atStep(of.step, run)}, ${spaced(of.realizations)} realizations`;
   const until = of.paused_until, early = of.step === null && of.provisional;
-  if (until === null) return of.step === null ? `theory; burn-in of ${run.burn_in} steps, ${seconds(run.burn_in, run)} of driving` : `averages over time up to step ${atStep(of.step, run)}`;
-  const end = `until step ${until}, ${seconds(until - of.latest_step, run)} of driving from now`;
+  if (until === null) return of.step === null ? `theory; burn-in of ${seconds(run.burn_in, run)} (${run.burn_in} steps)` : `averages over time up to ${atStep(of.step, run)}`;
+  const end = `until ${atStep(until, run)}, in ${seconds(until - of.latest_step, run)} of driving`;
   if (early) return of.manoeuvre ? `provisional averages, paused while the leader manoeuvres: burn-in at the earliest ${end}` :
-    `provisional averages up to step ${atStep(early.step, run)}: burn-in ${end}`;
+    `provisional averages up to ${atStep(early.step, run)}: burn-in ${end}`;
   if (of.step === null) return `theory; burn-in ${end}`;
   return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
 }
@@ -56,13 +56,13 @@ const duration = seconds => seconds < 90 ? `${Math.ceil(seconds)} s` : seconds <
 
 export function facts(list, { configuration, statistics }, snapshot) {
   if (!configuration) return list.replaceChildren();
-  const of = statistics ?? {}, shown = [configuration.headway ? ["headway h", `${short(configuration.headway, 4)} sample periods = ${seconds(configuration.headway, configuration)}`] :
+  const of = statistics ?? {}, shown = [configuration.headway ? ["headway h", `${seconds(configuration.headway, configuration)} = ${short(configuration.headway, 4)} sample periods`] :
     ["spacing", `constant, ${short(configuration.standstill_distance, 4)} m`],
     ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
-  if (configuration.endless) shown.push(["step k", atStep(snapshot?.step ?? of.latest_step, configuration)]);
+  if (configuration.endless) shown.push(["time t", atStep(snapshot?.step ?? of.latest_step, configuration)]);
   else {
     shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);
-    if (configuration.rate_wanted && !of.complete && snapshot) shown.push(["step k", `${snapshot.step} of ${configuration.steps - 1} (${seconds(snapshot.step, configuration)})`]);
+    if (configuration.rate_wanted && !of.complete && snapshot) shown.push(["time t", `${seconds(snapshot.step, configuration)} of ${atStep(configuration.steps - 1, configuration)}`]);
   }
   if (!configuration.endless || of.max_abs_z != null) shown.push(["largest |z|", of.max_abs_z == null ? of.realizations_needed == null ? "–" : `no verdict before ${short(of.realizations_needed, 2)} realizations` : `${of.max_abs_z.toFixed(2)} (plausible to ${of.plausible_z.toFixed(2)})`]);
   if (of.vehicle_steps_per_second != null) shown.push(["vehicle-steps/s", short(of.vehicle_steps_per_second)]);

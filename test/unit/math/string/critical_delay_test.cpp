@@ -29,7 +29,7 @@ double peak_at(const SampledCar& car, double headway, double delay) {
 }
 
 TEST(CriticalDelay, SeparatesStableFromUnstableRealDelays) {
-  const double found = *critical_delay(ploeg());
+  const double found = *critical_delay(ploeg()).steps;
   EXPECT_NEAR(found, 6.983879, 1e-5);  // 0.0698 s
   EXPECT_LE(peak_at(kPloeg, 50.0, found * (1.0 - 1e-3)), 1.0);
   EXPECT_GT(peak_at(kPloeg, 50.0, found * (1.0 + 1e-3)), 1.0);
@@ -38,7 +38,7 @@ TEST(CriticalDelay, SeparatesStableFromUnstableRealDelays) {
 TEST(CriticalDelay, AgreesWithTheVerdictsAtWholeDelays) {
   for (const double input_delay : {0.0, 0.2}) {
     for (const double headway : {0.4, 0.5, 0.8}) {
-      const double found = *critical_delay(radio_platoon(headway, 0.01, 0.01, 2, input_delay));
+      const double found = *critical_delay(radio_platoon(headway, 0.01, 0.01, 2, input_delay)).steps;
       for (const double delay : {1.0, std::floor(found), std::floor(found) + 1.0}) {
         const PlatoonModel model = radio_platoon(headway, 0.01, 0.01, static_cast<std::int64_t>(delay), input_delay);
         EXPECT_EQ(string_stability(model).string_stable, delay <= found) << headway << " s, " << delay;
@@ -48,18 +48,21 @@ TEST(CriticalDelay, AgreesWithTheVerdictsAtWholeDelays) {
 }
 
 TEST(CriticalDelay, DoesNotDependOnTheDelayOfTheModel) {
-  EXPECT_EQ(*critical_delay(ploeg(2)), *critical_delay(ploeg(40)));
+  EXPECT_EQ(*critical_delay(ploeg(2)).steps, *critical_delay(ploeg(40)).steps);
 }
 
-TEST(CriticalDelay, DoesNotExistWithoutARadioOrWithLosses) {
+TEST(CriticalDelay, SaysWhyThereIsNone) {
   PlatoonModel model = ploeg();
   lose_inputs(model, 0.1, {1.0});
-  EXPECT_FALSE(critical_delay(model).has_value());
+  EXPECT_EQ(critical_delay(model).reason, "a link loses messages");
   model = ploeg();
   model.default_vehicle().inputs.resize(1);
-  EXPECT_FALSE(critical_delay(model).has_value());
-  EXPECT_FALSE(critical_delay(radio_platoon(0.1, 0.01, 0.01)).has_value()) << "not string stable at one step";
-  EXPECT_FALSE(critical_delay(radio_platoon(20.0, 0.01, 0.01)).has_value()) << "string stable at every delay";
+  EXPECT_EQ(critical_delay(model).reason, "there is no radio");
+  EXPECT_EQ(critical_delay(radio_platoon(0.1, 0.01, 0.01)).reason, "the string is not stable at a delay of one step");
+  EXPECT_EQ(critical_delay(radio_platoon(20.0, 0.01, 0.01)).reason,
+            "the string is stable at every delay up to 10000 steps");
+  for (const PlatoonModel& without : {model, radio_platoon(20.0, 0.01, 0.01)})
+    EXPECT_FALSE(critical_delay(without).steps.has_value());
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(Analysis, HasTheGainAlongTheStringWithItsPeak) {
 
 TEST(Analysis, NamesTheSpacing) {
   VehicleModel vehicle = model_at(3.2).default_vehicle();
-  EXPECT_EQ(spacing_text(vehicle, 0.1), "h = 3.2 (0.32 s)");
+  EXPECT_EQ(spacing_text(vehicle, 0.1), "h = 0.32 s (3.2 sample periods)");
   vehicle.constant_spacing = true;
   vehicle.standstill_distance = 9.2;
   EXPECT_EQ(spacing_text(vehicle, 0.1), "constant spacing of 9.2 m");

@@ -95,8 +95,21 @@ TEST_F(PlausibilityTest, MeasuredMotionIsJudgedLikeThatOfTheTheory) {
   EXPECT_TRUE(motion_warnings(model, {{"acceleration", {9.9, -5.0}, {0.0, 1.0}}, {"jerk", {1e6}, {0.0}}}, 2).empty());
   const std::vector<std::string> found = motion_warnings(model, {{"acceleration", {0.0, -8.0}, {0.0, 1.0}}}, 2);
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_TRUE(contains(found[0], "acceleration: |mean| + 2.58 sigma = 10.6 m/s^2, of follower 1 at step 1"));
+  EXPECT_TRUE(
+      contains(found[0], "acceleration: |mean| + 2.58 sigma = 10.6 m/s^2, of follower 1 at " + time_of_step(1, model)));
   EXPECT_TRUE(motion_warnings(model, {{"speed", {0.0, NAN}, {0.001, 1.0}}}, 2).empty()) << "standing cars with noise";
+}
+
+TEST_F(PlausibilityTest, MotionBeyondTheLimitsOfAVehicleIsImpossible) {
+  PlatoonModel model = configuration_.model;
+  const std::vector<SignalFigures> motion{{"speed", {0.1, 0.5}, {1.0, 1.0}}, {"acceleration", {0.0, -8.0}, {0.0, 9.0}}};
+  EXPECT_EQ(motion_warnings(model, motion, 2).size(), 2u);
+  model.default_vehicle().limits.speed = Interval{0.0, 40.0};
+  EXPECT_EQ(motion_warnings(model, motion, 2).size(), 1u) << "does not reverse";
+  model.default_vehicle().limits.input = Interval{-6.0, 2.0};
+  EXPECT_TRUE(motion_warnings(model, motion, 2).empty());
+  model.default_vehicle().limits.input = Interval{-12.0, 2.0};
+  EXPECT_TRUE(contains(motion_warnings(model, motion, 2).at(0), "= 12 m/s^2"));
 }
 
 }  // namespace

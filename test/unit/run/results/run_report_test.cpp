@@ -55,7 +55,7 @@ protected:
 TEST_F(ReportTest, ReportsThatMeasurementAndTheoryAgree) {
   const std::string text = report_of(result());
   EXPECT_TRUE(contains(text, "Measurement agrees with Lemma 1"));
-  EXPECT_TRUE(contains(text, "tracking errors at step 2 (0.2 s), 20 realizations"));
+  EXPECT_TRUE(contains(text, "tracking errors at 0.2 s (step 2), 20 realizations"));
   EXPECT_TRUE(contains(text, "Theory: "));
   EXPECT_TRUE(contains(text, "Stationary variance along an endless string: "));
 }
@@ -170,7 +170,7 @@ TEST_F(ReportTest, LabelsAveragesOverTime) {
   make_endless();
   RunResult result = result_over_time();
   const std::string text = report_of(result);
-  EXPECT_TRUE(contains(text, "time averages up to step 999 (99.9 s), behind a burn-in of 200 steps (20 s)"));
+  EXPECT_TRUE(contains(text, "time averages up to 99.9 s (step 999), behind a burn-in of 20 s (200 steps)"));
   EXPECT_FALSE(contains(text, "was begun"));
   EXPECT_FALSE(contains(text, "agrees"));
   result.tally.attempts = 3;

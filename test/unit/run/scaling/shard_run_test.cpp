@@ -54,6 +54,9 @@ TEST(ShardRun, RejectsAnInvalidRecord) {
   EXPECT_THROW(shard_run_of(record), std::runtime_error);
   EXPECT_THROW(shard_run_of(nlohmann::json::object()), std::runtime_error);
   EXPECT_THROW(shard_run_of(5), std::runtime_error);
+  record = to_json(paper_shard("/somewhere", 3, 7));
+  record["configuration"]["version"] = kFirstReadableVersion;  // of recordings, not of checkpoints
+  EXPECT_THROW(shard_run_of(record), std::runtime_error);
 }
 
 TEST(ComputeShard, WritesItsRealizationsOnce) {
