@@ -37,7 +37,7 @@ std::map<std::string, std::string> random_settings(std::mt19937_64& random) {
   const std::size_t followers = any(random, 1, 4);
   settings["followers"] = std::to_string(followers);
   settings["steps"] = std::to_string(any(random, 2, 12));
-  settings["realizations"] = std::to_string(any(random, 1, 16));
+  settings["realizations"] = std::to_string(any(random, 1, 24));
   settings["batch"] = std::to_string(any(random, 1, 5));
   settings["seed"] = std::to_string(any(random, 1, 3));
   settings["window"] = std::to_string(any(random, 2, 40));

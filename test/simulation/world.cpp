@@ -59,9 +59,10 @@ Node::~Node() {
   world_.paused_.erase(number_);
 }
 
-World::World(std::uint64_t seed) : now_(latest_time + 1000.0), random_(seed) {
+World::World(std::uint64_t seed) : now_(latest_time + 1000.0), slowness_(1.0), random_(seed) {
   the_world = this;
   set_time(now_);
+  slowness_ = happens(0.5) ? 1.0 : uniform(5.0, 30.0);
 }
 
 World::~World() {
@@ -138,10 +139,10 @@ void World::pause(const Node& node, double seconds) {
   until = std::max(until, now_ + seconds);
 }
 
-// Mostly a network in one room; sometimes a congested one.
+// A network in one room, or a slower one; each is congested at times.
 double World::delay(const Connection& connection) {
   if (connection.slow_until > now_) return uniform(0.0, 0.5);
-  return happens(0.01) ? uniform(0.0, 0.05) : uniform(1e-5, 1e-3);
+  return happens(0.01) ? uniform(0.0, 0.05) : slowness_ * uniform(1e-5, 1e-3);
 }
 
 void World::come_up(const std::shared_ptr<Connection>& connection, double seconds) {

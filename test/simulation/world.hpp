@@ -146,6 +146,7 @@ private:
   void set_time(double time);
 
   double now_;
+  double slowness_;  ///< of the network: many faults strike within a run on a slow one
   std::mt19937_64 random_;
   std::uint64_t events_ = 0, nodes_ = 0;
   std::priority_queue<Event, std::vector<Event>, Later> queue_;

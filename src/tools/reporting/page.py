@@ -90,7 +90,7 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
                  else badge("complete and undamaged, not compared with a theory", "open") if not problems else badge("check failed", "bad"))
     collisions = collisions_of(run)
     if collisions is not None:
-        parts.append(badge("collisions: in {} of {} realizations of one follower".format(*collisions), "bad" if collisions[0] else "good"))
+        parts.append(badge("collisions: in {} of {} realizations of the follower with the most".format(*collisions), "bad" if collisions[0] else "good"))
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
     if run.max_abs_z is not None:
         text += "\n<p>Measurement and theory: over all followers and steps the largest deviation is {} standard errors of the mean and {} of the " \
@@ -119,7 +119,8 @@ def what_was_run(run: sp.Results) -> str:
     return pairs([("followers", of["followers"]), ("steps", steps), ("realizations", run.realizations), ("seed", run.seed),
                   ("hosting", of["hosting"]), ("attempts", of["attempts"]), ("positions received", of["positions_received"]),
                   ("positions lost", of["positions_lost"]), ("date (UTC)", of["date"]), ("machine", of["host"]),
-                  ("version", "stochastic_platoon {}, revision {}".format(of["version"], of["revision"])),
+                  ("version", "stochastic_platoon {}, revision {}{}".format(
+                      of["version"], of["revision"], " (of changed sources)" if str(of["revision"]).endswith("-dirty") else "")),
                   ("command", " ".join(of["command_line"]))])
 
 
@@ -134,7 +135,7 @@ def numbers(run: sp.Results) -> str:
             apart = (measured - theory) / spread[row]
         rows.append([str(row + 1), number(errors.mean[row, -1]), number(errors.theoretical_mean[row, -1]), number(measured),
                      number(spread[row], 2), number(theory), number(apart, 3), number(stationary[row])])
-    return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]", "difference in standard errors",
+    return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]", "difference / standard error",
                   "stationary variance, theory [m²]"], rows,
                  "Tracking errors at {:.6g} s (step {})".format(last * run.sample_period, last))
 

@@ -22,13 +22,16 @@ platoon::PlatoonModel paper_platoon(double headway) {
 }  // namespace
 
 int main() {
-  const platoon::PlatoonModel model = paper_platoon(3.2);
+  const platoon::PlatoonModel model = paper_platoon(3.2);  // h in sample periods: 0.32 s
   const platoon::StringStability verdict = platoon::string_stability(model);
   const std::optional<platoon::StableHeadways> headways = platoon::stable_headways(model);
   const std::vector<double> variances = platoon::stationary_variances(model, 20);
   std::printf("%s\n", verdict.reason.c_str());
-  std::printf("critical headway %.4f s, here 0.32 s\n", headways.value().critical.value() * model.sample_period);
-  std::printf("variance %.6f m^2 of follower 1, %.6f m^2 of follower 20, %.6f m^2 in an endless string\n",
-              variances.front(), variances.back(), verdict.limit_variance.value());
+  if (headways && headways->critical) {
+    std::printf("critical headway %.4f s, here %.4f s\n", *headways->critical * model.sample_period,
+                model.default_vehicle().headway * model.sample_period);
+  }
+  std::printf("variance %.6f m^2 of follower 1, %.6f m^2 of follower 20\n", variances.front(), variances.back());
+  if (verdict.limit_variance) std::printf("variance %.6f m^2 in an endless string\n", *verdict.limit_variance);
   return 0;
 }

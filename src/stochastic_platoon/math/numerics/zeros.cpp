@@ -97,15 +97,15 @@ std::vector<Complex> starts_of(const DeltaPolynomial& p) {
       hull.pop_back();
     hull.push_back(point);
   }
-  constexpr long double kTurn = 0.7L;  // no start and no set of starts is its own conjugate
+  constexpr long double kStartTurn = 0.7L;  // no start and no set of starts is its own conjugate
   std::vector<Complex> starts;
   for (std::size_t edge = 0; edge + 1 < hull.size(); ++edge) {
     const std::size_t count = hull[edge + 1].power - hull[edge].power;
     const long double radius = std::exp2(-hull[edge].slope_to(hull[edge + 1]));
     for (std::size_t k = 0; k < count; ++k) {
       const long double angle = boost::math::long_double_constants::two_pi * static_cast<long double>(k);
-      starts.push_back(
-          std::polar(radius, angle / static_cast<long double>(count) + kTurn * static_cast<long double>(edge + 1)));
+      starts.push_back(std::polar(
+          radius, angle / static_cast<long double>(count) + kStartTurn * static_cast<long double>(edge + 1)));
     }
   }
   return starts;

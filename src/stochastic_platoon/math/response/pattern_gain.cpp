@@ -75,7 +75,8 @@ double PatternGain::spread_of_places(double frequency) const {
   double sum = 0.0;
   for (const RatedFactor& factor : factors_) {
     double spread_of_factor = 0.0;
-    for (const auto& [part, accuracy] : {std::make_pair(&factor.factor, 1.0), std::make_pair(&factor.exact, kExact)}) {
+    const std::pair<const GainFactor*, double> parts[] = {{&factor.factor, 1.0}, {&factor.exact, kExact}};
+    for (const auto& [part, accuracy] : parts) {
       for (const auto* places : {&part->poles, &part->zeros}) {
         for (const std::complex<long double>& s : *places)
           spread_of_factor += accuracy * spread(std::complex<double>(s), t, order);

@@ -22,7 +22,7 @@ namespace platoon {
 namespace {
 
 constexpr char kNoFourthMoments[] =
-    "losses in bursts: the theory has means and variances but not the scatter of measured variances, so that the run is not judged";
+    "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the run is not judged";
 
 bool loses(const PlatoonModel& model) {
   return any_link(model, [](const LinkModel& link) { return link.loses(); });

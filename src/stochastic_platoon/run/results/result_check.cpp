@@ -133,8 +133,12 @@ std::string passed(const nlohmann::json& summary) {
   const char* const verdict = stable.is_null()     ? "no verdict"
                               : stable.get<bool>() ? "string stable"
                                                    : "not string stable";
+  // Theory ends before the first external vehicle.
+  const nlohmann::json external = summary.at("configuration").at("run").value("external", nlohmann::json::array());
+  const std::string compared =
+      external.empty() ? "" : formatted(" up to follower %llu", external.front().get<unsigned long long>() - 1);
   return formatted("%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations, seed %llu", verdict,
-                   found ? formatted("in agreement (largest |z| %.2f, at most %.2f)",
+                   found ? formatted("in agreement%s (largest |z| %.2f, at most %.2f)", compared.c_str(),
                                      std::max(found->max_abs_z_mean, found->max_abs_z_variance), found->plausible_z)
                                .c_str()
                          : "not compared with a theory",
