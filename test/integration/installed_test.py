@@ -131,7 +131,7 @@ class Installed(unittest.TestCase):
                        "cmake -S margin -B margin/build -DPYTHON_EXECUTABLE=/usr/bin/python3 && make -C margin/build")
         printed = self.installed("margin/build/devel/lib/string_margin/string_margin")
         self.assertIn("critical headway 0.2800 s", printed)
-        self.assertIn("variance 1.361445 m^2 of follower 1, 2.281824 m^2 of follower 20, 2.292677 m^2 in an endless string", printed)
+        self.assertIn("variance 1.361445 m^2 of follower 1, 2.281824 m^2 of follower 20\nvariance 2.292677 m^2 in an endless string\n", printed)
 
     @unittest.skipUnless(os.path.exists(os.path.join(build, "CPackConfig.cmake")) and shutil.which("dpkg-deb"), "needs a build of this package alone, on Debian")
     def test_the_debian_package_has_the_programs_of_users_below_usr(self):
