@@ -119,6 +119,18 @@ void Machine::removed(const std::string& name) {
 using platoon::simulation::Machine;
 using platoon::simulation::World;
 
+namespace {
+
+int removed(const char* name, int flags) {
+  Machine* const machine = Machine::present();
+  if (machine != nullptr && machine->is_killing()) return 0;
+  const int status = static_cast<int>(::syscall(SYS_unlinkat, AT_FDCWD, name, flags));
+  if (status == 0 && machine != nullptr) machine->removed(name);
+  return status;
+}
+
+}  // namespace
+
 // In place of those of the C library.
 extern "C" {
 
@@ -149,20 +161,11 @@ int rename(const char* from, const char* to) noexcept {
 }
 
 int unlink(const char* name) noexcept {
-  Machine* const machine = Machine::present();
-  if (machine != nullptr && machine->is_killing()) return 0;
-  const int status = static_cast<int>(::syscall(SYS_unlinkat, AT_FDCWD, name, 0));
-  if (status == 0 && machine != nullptr) machine->removed(name);
-  return status;
+  return removed(name, 0);
 }
 
 int remove(const char* name) noexcept {
-  Machine* const machine = Machine::present();
-  if (machine != nullptr && machine->is_killing()) return 0;
-  const bool is_folder = std::filesystem::is_directory(name);
-  const int status = static_cast<int>(::syscall(SYS_unlinkat, AT_FDCWD, name, is_folder ? AT_REMOVEDIR : 0));
-  if (status == 0 && machine != nullptr) machine->removed(name);
-  return status;
+  return removed(name, std::filesystem::is_directory(name) ? AT_REMOVEDIR : 0);
 }
 
 }  // extern "C"

@@ -55,13 +55,6 @@ std::string absolute_name(const std::string& name_space, const std::string& name
   return name.empty() ? name_space : name.front() == '/' ? name : name_space + "/" + name;
 }
 
-template <typename Value>
-void set_parameter(const std::string& name, const Value& value) {
-  std::ostringstream text;
-  text << value;
-  world().parameters[name] = text.str();
-}
-
 void log(ros::console::Level level, const std::string& text) {
   if (level < ros::console::levels::Info || World::present() == nullptr || !world().log) return;
   const char* const names[] = {"DEBUG", "INFO", "WARN", "ERROR", "FATAL"};
@@ -118,9 +111,6 @@ void Publisher::publish(const boost::function<SerializedMessage()>& serialized, 
   const auto found = publications.find(impl_.get());
   if (found == publications.end()) return;
   world().publish(*found->second, message.message ? message : serialized());
-}
-void Publisher::shutdown() {
-  if (impl_) impl_->unadvertise();
 }
 std::uint32_t Publisher::getNumSubscribers() const {
   const auto found = publications.find(impl_.get());
@@ -182,24 +172,6 @@ bool NodeHandle::getParam(const std::string& key, std::string& text) const {
   const auto found = world().parameters.find(resolveName(key, true));
   if (found != world().parameters.end()) text = found->second;
   return found != world().parameters.end();
-}
-void NodeHandle::setParam(const std::string& key, const std::string& value) const {
-  set_parameter(resolveName(key, true), value);
-}
-void NodeHandle::setParam(const std::string& key, const char* value) const {
-  set_parameter(resolveName(key, true), value);
-}
-void NodeHandle::setParam(const std::string& key, double value) const {
-  set_parameter(resolveName(key, true), value);
-}
-void NodeHandle::setParam(const std::string& key, int value) const {
-  set_parameter(resolveName(key, true), value);
-}
-void NodeHandle::setParam(const std::string& key, bool value) const {
-  set_parameter(resolveName(key, true), value);
-}
-void NodeHandle::setParam(const std::string& key, const XmlRpc::XmlRpcValue& value) const {
-  set_parameter(resolveName(key, true), value);
 }
 
 CallbackQueue* getGlobalCallbackQueue() {

@@ -3,15 +3,17 @@
 #include <ros/node_handle.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
+#include <map>
+#include <memory>
 #include <optional>
 #include <random>
+#include <stdexcept>
 #include <utility>
 
 #include "simulation/launches.hpp"
 #include "simulation/observer.hpp"
+#include "simulation/process.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 
@@ -23,9 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr double kPatience = 300.0;       // [s] from the last fault to the end of a run
 constexpr std::size_t kMostVehicles = 4;  // followers
-
-const char* const kNames[] = {"kill",      "stop",  "pause",  "cut",       "slow", "full_disk",
-                              "set_clock", "stray", "tamper", "interrupt", "power"};
 
 /// A run that ends for a reason that is no fault of a simulated thing.
 class Failure : public std::runtime_error {
@@ -279,28 +278,7 @@ private:
     if (!tampering_ || configuration_->run.external.empty()) return message;
     const auto external = static_cast<std::size_t>(configuration_->run.external.front());
     if (topic.topic != std::string(kNamespace) + "/" + position_topic(external) || !message.message) return message;
-    const Fault fault = *std::exchange(tampering_, std::nullopt);
-    auto changed = boost::make_shared<stochastic_platoon::Position>(
-        *boost::static_pointer_cast<const stochastic_platoon::Position>(message.message));
-    switch (fault.which % 5) {
-      case 0:
-        return std::nullopt;
-      case 1:
-        changed->step += 1;
-        break;
-      case 2:
-        changed->position.pop_back();
-        break;
-      case 3:
-        changed->position.front() = std::numeric_limits<double>::quiet_NaN();
-        break;
-      default:
-        changed->run += 1;
-        break;
-    }
-    ros::SerializedMessage other = message;
-    other.message = changed;
-    return other;
+    return simulation::tampered(message, std::exchange(tampering_, std::nullopt)->which);
   }
 
   Plan plan_;
@@ -323,27 +301,6 @@ private:
 };
 
 }  // namespace
-
-std::string to_string(const Fault& fault) {
-  return formatted("%s %u %.3f", kNames[static_cast<int>(fault.kind)], fault.which, fault.extent);
-}
-
-Plan plan_of(std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  // Shares in per cent, in the order of FaultKind.
-  constexpr int kShares[] = {22, 8, 14, 20, 12, 5, 2, 5, 8, 3, 1};
-  Plan plan{seed, {}};
-  const std::size_t count = 20 + random() % 80;
-  while (plan.faults.size() < count) {
-    auto left = static_cast<int>(random() % 100);
-    int kind = 0;
-    while (left >= kShares[kind]) left -= kShares[kind++];
-    const double wait = -std::log(1.0 - uniform()) * (random() % 4 == 0 ? 0.5 : 0.05);
-    plan.faults.push_back({static_cast<FaultKind>(kind), wait, static_cast<std::uint32_t>(random() >> 33), uniform()});
-  }
-  return plan;
-}
 
 Outcome carry_out(const Plan& plan) {
   fs::remove_all("out");

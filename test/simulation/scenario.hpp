@@ -1,51 +1,15 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "simulation/process.hpp"
+#include "simulation/faults.hpp"
 
 namespace platoon::simulation {
 
-enum class FaultKind {
-  kill,       ///< SIGKILL of a node
-  stop,       ///< SIGTERM of a node
-  pause,      ///< SIGSTOP of a node, SIGCONT later
-  cut,        ///< a connection breaks, with all that is on its way
-  slow,       ///< a connection is slow for a while
-  full_disk,  ///< for a while
-  set_clock,  ///< the wall clock jumps
-  stray,      ///< a stranger publishes messages of another run
-  tamper,     ///< an external vehicle breaks a clause of the contract
-  interrupt,  ///< Ctrl-C, and a launch that resumes
-  power       ///< all nodes are killed, the disk loses what was not synced; a launch resumes
-};
-
-/// A fault, `wait` [s] after the one before it. `which` and `extent` choose its target and its length.
-struct Fault {
-  FaultKind kind;
-  double wait;
-  std::uint32_t which;
-  double extent;  ///< 0 to 1
-};
-
-std::string to_string(const Fault& fault);
-
-/// Launches of one platoon, one after another, with followers that may outlive them, under faults.
-struct Plan {
-  std::uint64_t seed;
-  std::vector<Fault> faults;
-};
-
-/// The plan of a seed.
-Plan plan_of(std::uint64_t seed);
-
 struct Outcome {
   std::string wrong = {};  ///< what was wrong; empty if nothing was
-  bool hung = false;       ///< a run did not end in time
+  bool hung = false;       ///< that a run did not end in time
   std::vector<std::string> history = {};
 };
 

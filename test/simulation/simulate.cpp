@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -27,7 +28,7 @@ constexpr std::size_t kShownLines = 60;
 /// What a worker reports of a plan.
 struct Report {
   std::uint64_t number, history;
-  bool wrong, hung;
+  bool failed, hung;
 };
 
 std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number) {
@@ -35,7 +36,7 @@ std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number) {
 }
 
 bool fails(const Outcome& outcome) {
-  return outcome.hung || !outcome.wrong.empty();
+  return !outcome.wrong.empty();
 }
 
 std::uint64_t digest_of(const std::vector<std::string>& history) {
@@ -63,15 +64,16 @@ Plan shortest(Plan plan) {
 void work(std::uint64_t seed, std::uint64_t plans, std::uint64_t worker, std::uint64_t workers, int output) {
   for (std::uint64_t number = worker; number < plans; number += workers) {
     const Outcome outcome = carry_out(platoon::simulation::plan_of(seed_of(seed, number)));
-    const Report report{number, digest_of(outcome.history), !outcome.wrong.empty() && !outcome.hung, outcome.hung};
+    const Report report{number, digest_of(outcome.history), fails(outcome), outcome.hung};
     if (::write(output, &report, sizeof report) != sizeof report) std::_Exit(1);
   }
 }
 
-void print_history(std::FILE* output, const Plan& plan) {
-  const Outcome outcome = carry_out(plan);
-  for (const std::string& line : outcome.history) std::fprintf(output, "%s\n", line.c_str());
-  std::fprintf(output, "%s\n", outcome.wrong.c_str());
+/// Prints at most this many lines, the latest.
+void print_history(std::FILE* output, const Outcome& outcome, std::size_t most, const char* indent) {
+  const std::vector<std::string>& lines = outcome.history;
+  for (std::size_t k = lines.size() - std::min(lines.size(), most); k < lines.size(); ++k)
+    std::fprintf(output, "%s%s\n", indent, lines[k].c_str());
 }
 
 void explain(std::FILE* output, std::uint64_t seed, std::uint64_t number) {
@@ -82,9 +84,31 @@ void explain(std::FILE* output, std::uint64_t seed, std::uint64_t number) {
   for (const auto& fault : plan.faults)
     std::fprintf(output, "  after %.3f s: %s\n", fault.wait, to_string(fault).c_str());
   std::fprintf(output, "its history%s:\n", outcome.history.size() > kShownLines ? ", the end" : "");
-  const std::size_t begin = outcome.history.size() - std::min(outcome.history.size(), kShownLines);
-  for (std::size_t k = begin; k < outcome.history.size(); ++k)
-    std::fprintf(output, "  %s\n", outcome.history[k].c_str());
+  print_history(output, outcome, kShownLines, "  ");
+}
+
+/// The reports of all plans, by processes that share them; fewer if one has died.
+std::vector<Report> simulated(std::uint64_t seed, std::uint64_t plans,
+                              const std::function<void(std::uint64_t worker)>& enter) {
+  int pipes[2];
+  if (::pipe(pipes) != 0) return {};
+  const std::uint64_t workers = std::max(std::thread::hardware_concurrency(), 1u);
+  std::vector<pid_t> children;
+  for (std::uint64_t worker = 0; worker < workers; ++worker) {
+    children.push_back(::fork());
+    if (children.back() != 0) continue;
+    ::close(pipes[0]);
+    enter(worker);
+    work(seed, plans, worker, workers, pipes[1]);
+    std::_Exit(0);
+  }
+  ::close(pipes[1]);
+  std::vector<Report> reports;
+  Report report{};
+  while (::read(pipes[0], &report, sizeof report) == sizeof report) reports.push_back(report);
+  for (const pid_t child : children) ::waitpid(child, nullptr, 0);
+  std::sort(reports.begin(), reports.end(), [](const Report& a, const Report& b) { return a.number < b.number; });
+  return reports;
 }
 
 }  // namespace
@@ -111,56 +135,35 @@ int main(int argc, char** argv) {
   };
   if (argc == 4) {
     within(0);
-    print_history(output, platoon::simulation::plan_of(seed_of(seed, std::strtoull(argv[3], nullptr, 10))));
+    const Outcome outcome = carry_out(platoon::simulation::plan_of(seed_of(seed, std::strtoull(argv[3], nullptr, 10))));
+    print_history(output, outcome, outcome.history.size(), "");
+    std::fprintf(output, "%s\n", outcome.wrong.c_str());
     std::filesystem::remove_all(folder);
     return 0;
   }
 
-  int pipes[2];
-  if (::pipe(pipes) != 0) return 2;
-  const std::uint64_t workers = std::max(std::thread::hardware_concurrency(), 1u);
-  std::vector<pid_t> children;
-  for (std::uint64_t worker = 0; worker < workers; ++worker) {
-    children.push_back(::fork());
-    if (children.back() != 0) continue;
-    ::close(pipes[0]);
-    within(worker);
-    work(seed, plans, worker, workers, pipes[1]);
-    std::_Exit(0);
-  }
-  ::close(pipes[1]);
-  std::vector<Report> reports;
-  Report report{};
-  while (::read(pipes[0], &report, sizeof report) == sizeof report) reports.push_back(report);
-  bool ended = true;
-  for (const pid_t child : children) {
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    ended = ended && status == 0;
-  }
-  std::sort(reports.begin(), reports.end(), [](const Report& a, const Report& b) { return a.number < b.number; });
-  std::uint64_t wrong = 0, hung = 0;
+  const std::vector<Report> reports = simulated(seed, plans, within);
+  std::uint64_t failed = 0, hung = 0;
   std::string histories;
   for (const Report& each : reports) {
-    wrong += each.wrong ? 1 : 0;
+    failed += each.failed ? 1 : 0;
     hung += each.hung ? 1 : 0;
     histories += std::to_string(each.history) + " ";
   }
-  const auto failed =
-      std::find_if(reports.begin(), reports.end(), [](const Report& each) { return each.wrong || each.hung; });
-  if (failed != reports.end()) {
-    within(workers);
-    explain(output, seed, failed->number);
+  const auto first = std::find_if(reports.begin(), reports.end(), [](const Report& each) { return each.failed; });
+  if (first != reports.end()) {
+    within(0);
+    explain(output, seed, first->number);
   }
   std::filesystem::remove_all(folder);
-  if (!ended || reports.size() != plans)
+  if (reports.size() != plans)
     std::fprintf(output, "only %zu of %llu runs ended: a worker has died\n", reports.size(),
                  static_cast<unsigned long long>(plans));
   std::fprintf(output, "digest of the histories: %016llx\n",
                static_cast<unsigned long long>(platoon::digest(histories)));
   std::fprintf(output, "%llu faults in %llu runs: %llu wrong, %llu hung\n", static_cast<unsigned long long>(faults),
-               static_cast<unsigned long long>(plans), static_cast<unsigned long long>(wrong),
+               static_cast<unsigned long long>(plans), static_cast<unsigned long long>(failed - hung),
                static_cast<unsigned long long>(hung));
   std::fflush(output);
-  return wrong + hung > 0 || !ended || reports.size() != plans ? 1 : 0;
+  return failed > 0 || reports.size() != plans ? 1 : 0;
 }

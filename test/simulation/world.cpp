@@ -6,6 +6,8 @@
 #include <exception>
 #include <utility>
 
+#include "simulation/uniform.hpp"
+
 namespace platoon::simulation {
 
 namespace {
@@ -75,11 +77,7 @@ World* World::present() {
 }
 
 double World::uniform(double from, double to) {
-  return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
-}
-
-std::size_t World::any(std::size_t count) {
-  return static_cast<std::size_t>(random_() % count);
+  return from + (to - from) * simulation::uniform(random_);
 }
 
 void World::set_time(double time) {

@@ -85,7 +85,6 @@ public:
   double now() const { return now_; }  ///< [s]
   double uniform(double from, double to);
   bool happens(double probability) { return uniform(0.0, 1.0) < probability; }
-  std::size_t any(std::size_t count);
 
   /// Runs `action` as code of the node, at once.
   void as(Node* node, const Action& action);

@@ -125,8 +125,8 @@ def period_of(run: sp.Results) -> float:
 
 def time_of_step(run: sp.Results, step: int) -> str:
     """9.9 s (step 99)."""
-    period = period_of(run)
-    return ("step {}" if np.isnan(period) else "{:.4g} s (step {})").format(*([] if np.isnan(period) else [step * period]), spaced(step))
+    period, words = period_of(run), "step {}".format(spaced(step))
+    return words if np.isnan(period) else "{:.4g} s ({})".format(step * period, words)
 
 
 def follower_ticks(followers: int) -> List[float]:

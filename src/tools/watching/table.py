@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Optional
 
+from watching.events import headway_text
+
 HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
 AROUND = 9  # lines other than the followers' rows
 
@@ -31,28 +33,25 @@ def heading(state: Dict[str, Any]) -> List[str]:
     if state["followers"] is None:
         return [state["start"] or "Waiting for a platoon's monitor"]
     period = state["sample_period"]
-    spacing = ("h = {:g} s ({:g} sample periods)".format(state["headway"] * period, state["headway"]) if state["headway"] else
-               "constant spacing of {:g} m".format(state["standstill_distance"]))
+    spacing = "h = " + headway_text(state) if state["headway"] else "constant spacing of {:g} m".format(state["standstill_distance"])
     first = "{}, P_d = {:g} m^2, {}, N = {}".format(spacing, state["noise_variance"], state["link"], state["followers"])
     if "reason" not in state:
         return [first, "Starting: " + state["start"] if state["start"] else "Starting"]
-    def time_of(step: int) -> str:
-        return time_of_step(state, step)
-    at = None if state["step"] is None else time_of(state["step"])
+    at = None if state["step"] is None else time_of_step(state, state["step"])
     if state["provisional"]:
         step, until = state["provisional"]["step"], state["paused_until"]
         second = "~ provisional averages{}, replaced when the burn-in is over{}".format(
-            ", paused while the leader manoeuvres" if state["manoeuvre"] else " up to " + time_of(step), "" if until is None else ": at the earliest at " + time_of(until))
+            ", paused while the leader manoeuvres" if state["manoeuvre"] else " up to " + time_of_step(state, step), "" if until is None else ": at the earliest at " + time_of_step(state, until))
     elif at is None:
         second = "nothing is measured yet" + (" (burn-in: {:.3g} s of driving, {} steps)".format(
             state["burn_in"] * period, state["burn_in"]) if state["endless"] else "")
         if state["present"] and not state["endless"]:
             second += ": realization {} at {:.6g} s of {}".format(
-                state["present"]["realization"], state["present"]["step"] * period, time_of(state["steps"] - 1))
+                state["present"]["realization"], state["present"]["step"] * period, time_of_step(state, state["steps"] - 1))
     elif state["time_average"]:
         second = "averages over time up to {}".format(at)
         if state["paused_until"] is not None:
-            second += ", {}: paused until {}".format("manoeuvre" if state["manoeuvre"] else "burn-in", time_of(state["paused_until"]))
+            second += ", {}: paused until {}".format("manoeuvre" if state["manoeuvre"] else "burn-in", time_of_step(state, state["paused_until"]))
     else:
         second = "{}, {} of {} realizations".format(at, state["realizations"], state["realizations_wanted"])
         if state["max_abs_z"] is not None:

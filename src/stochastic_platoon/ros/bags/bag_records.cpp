@@ -98,6 +98,14 @@ Fields take_header(std::string_view& bytes) {
   return header;
 }
 
+bool ends_in_first_line(const std::string& file) {
+  std::string begin(kVersionLine.size(), ' ');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(stream.gcount()));
+  return begin.size() < kVersionLine.size() && kVersionLine.substr(0, begin.size()) == begin;
+}
+
 BagBytes::BagBytes(const std::string& file) {
   std::error_code error;
   // Opening a FIFO would wait for its writer.

@@ -27,6 +27,9 @@ constexpr std::size_t kLongestHeader = 1u << 16;  ///< bytes; a topic's name is 
 /// Largest chunk [bytes], compressed or not: the longest batch (2^24 positions) and the data that may precede it.
 constexpr std::size_t kLongestChunk = 17u << 23;
 
+/// Whether the file is empty, or ends within the first line of a bag.
+bool ends_in_first_line(const std::string& file);
+
 template <typename Number>
 Number little_endian(const char* bytes) {
   Number value;

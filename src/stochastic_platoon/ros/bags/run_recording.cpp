@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <string_view>
 
+#include "stochastic_platoon/ros/bags/bag_records.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 
@@ -19,16 +18,6 @@ constexpr char kRecoveredSuffix[] = ".recovered";
 
 bool any_topic(const PlatoonTopic&) {
   return true;
-}
-
-// False if its recorder was killed, or found no space, before its first line.
-bool has_header(const std::string& file) {
-  constexpr std::string_view kHeader = "#ROSBAG V2.0\n";
-  std::string begin(kHeader.size(), ' ');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  begin.resize(static_cast<std::size_t>(stream.gcount()));
-  return begin.size() == kHeader.size() || kHeader.substr(0, begin.size()) != begin;
 }
 
 // All realizations before the returned one are recorded if `id` is the latest message of a stream.
@@ -216,7 +205,7 @@ void RunRecording::require_same_launch(const std::string& file, const std::strin
 // Finds the last whole batch of a file from the latest message of each stream: steps are written in their order, and
 // whole batches are not recorded again. Returns whether the file adds anything to the files before it.
 bool RunRecording::take_over(const std::string& file) {
-  if (!has_header(file)) return false;
+  if (ends_in_first_line(file)) return false;  // its recorder was killed there, or found no space
   const BatchSchedule schedule = configuration_.run.schedule();
   std::vector<std::optional<MessageId>> latest(topics_.size());
   const auto misses_a_stream = [&latest] {
