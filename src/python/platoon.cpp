@@ -12,7 +12,6 @@
 #include "python/convert.hpp"
 #include "python/interruption.hpp"
 #include "python/model.hpp"
-#include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
@@ -179,12 +178,11 @@ py::object manoeuvres_of(const Model& model) {
 py::tuple plant_of(const Model& model) {
   const std::optional<LoopDesign>& design = model.model().default_vehicle().design;
   if (!design) throw std::invalid_argument("closed_loop: given: must be plant and controller");
-  const ExactTransfer& plant = design->plant.exact();
-  const auto coefficients = [](const ExactPolynomial& p, std::ptrdiff_t powers) {
-    const Polynomial rounded_form = rounded(shifted_to_origin(times_power_of_z(p, powers)));
-    return array_of(std::vector<double>(rounded_form.data(), rounded_form.data() + rounded_form.size()));
+  const SampledPlant plant = design->plant.sampled();
+  const auto coefficients = [](const Polynomial& p) {
+    return array_of(std::vector<double>(p.data(), p.data() + p.size()));
   };
-  return py::make_tuple(coefficients(plant.numerator, -plant.delay), coefficients(plant.denominator, plant.delay));
+  return py::make_tuple(coefficients(plant.numerator), coefficients(plant.denominator));
 }
 
 }  // namespace

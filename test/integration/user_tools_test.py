@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import unittest
 import zlib
 
@@ -17,6 +18,9 @@ import stochastic_platoon as sp
 import live_platoon
 from folder import FolderTest, temporary_folder
 from recording import DATA, BagTest
+
+sys.path.insert(0, live_platoon.shared("src", "tools"))
+from reporting import page as report_page  # noqa: E402
 
 SMALL = os.path.join(DATA, "small.bag")
 
@@ -233,6 +237,7 @@ class Report(RunTest):
         summary = self.summary()
         for words in ("string stable", "complete, undamaged, in agreement", summary["theory"]["reason"],
                       summary["revision"], summary["version"], summary["date"], "standard error", "prepared by", "controller/denominator",
+                      "largest |z|", "noise_variance</th><td>{} m²".format(summary["configuration"]["model"]["noise_variance"]),
                       *summary["crc32"].values(), *summary["warnings"]):
             self.assertIn(words, html.unescape(page))
         self.assertEqual(page.count("<svg"), 3)  # errors, gaps, amplification
@@ -240,6 +245,15 @@ class Report(RunTest):
         last = sp.Results.load(self.run_folder)
         self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.variance[2, -1]), page)
         self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.theoretical_variance[2, -1]), page)
+
+    def test_every_number_of_a_model_has_its_unit_unless_it_has_none(self):
+        without = {"headway_filter", "divide_by_one_plus_headway", "on_loss", "probability", "numerator", "denominator", "A", "B", "C",
+                   "own_acceleration", "inputs", "string", "start", "spacing", "allow_unstable"}
+        for name in sorted(os.listdir(live_platoon.shared("config"))):
+            if not name.endswith(".yaml"):
+                continue
+            for path, _ in report_page.flattened(sp.Model.load(name).to_dict()):
+                self.assertNotEqual(bool(report_page.unit_of(path)), path.rsplit("/", 1)[-1] in without, "{}: {}".format(name, path))
 
     def test_a_run_that_fails_its_check_shows_the_reason(self):
         summary = self.summary()

@@ -15,6 +15,13 @@ from plotting import amplification, files, gaps, style, tracking_errors
 
 SHOWN_ENDS = 10  # rows of a table at either end of a long string
 LONGEST_VALUE = 160  # characters of a value of the model
+MEANING_OF_Z = "z = (measured − theory) / standard error of the measurement"
+# Units of a model's values by the end of their path.
+UNITS = {"sample_period": "s", "time_headway": "sample periods", "standstill_distance": "m", "vehicle_length": "m", "safe_gap": "m",
+         "noise_variance": "m²", "initial_position/mean": "m", "initial_position/variance": "m²",
+         "channel/delay": "sample periods", "channel/quantisation_step": "m", "loss/mean_burst": "sample periods",
+         "loss/by_distance": "gap in m, probability", "leader/speed": "m/s", "leader/positions": "m", "limits/input": "m/s²",
+         "limits/speed": "m/s", "input_delay": "s", "kp": "1/s²", "kd": "1/s", "ki": "1/s³"}
 STYLE = """
 body { font: 15px/1.45 "DejaVu Sans", Verdana, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.3rem; margin-top: 2.4rem; border-bottom: 2px solid #222; }
@@ -72,6 +79,14 @@ def flattened(value: Any, path: str = "") -> Iterator[Tuple[str, str]]:
     yield path, text if not more and len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + (more or " …")
 
 
+def unit_of(path: str) -> str:
+    return next((unit for end, unit in UNITS.items() if path == end or path.endswith("/" + end)), "")
+
+
+def model_of(run: sp.Results) -> str:
+    return pairs((path, "{} {}".format(value, unit_of(path)).rstrip()) for path, value in flattened(run.summary["configuration"]["model"]))
+
+
 def shown_rows(count: int) -> List[int]:
     return [row for row in range(count) if count <= 3 * SHOWN_ENDS or row < SHOWN_ENDS or row >= count - SHOWN_ENDS]
 
@@ -93,9 +108,9 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
         parts.append(badge("collisions: in {} of {} realizations of the follower with the most".format(*collisions), "bad" if collisions[0] else "good"))
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
     if run.max_abs_z is not None:
-        text += "\n<p>Measurement and theory: over all followers and steps the largest deviation is {} standard errors of the mean and {} of the " \
-                "variance; chance alone exceeds {} at most once in 1000 runs.</p>".format(
-                    *(number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z")))
+        text += "\n<p>Measurement and theory: {}. Over all followers and steps the largest |z| is {} of the mean and {} of " \
+                "the variance; chance alone exceeds {} at most once in 1000 runs.</p>".format(
+                    MEANING_OF_Z, *(number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z")))
     return "\n".join([text, *("<p>{} {}</p>".format(badge("check", "bad"), escaped(problem)) for problem in problems),
                       *(warning("Warning: " + sentence) for sentence in warnings_of(run))])
 
@@ -135,9 +150,9 @@ def numbers(run: sp.Results) -> str:
             apart = (measured - theory) / spread[row]
         rows.append([str(row + 1), number(errors.mean[row, -1]), number(errors.theoretical_mean[row, -1]), number(measured),
                      number(spread[row], 2), number(theory), number(apart, 3), number(stationary[row])])
-    return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]", "difference / standard error",
+    return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]", "z of the variance",
                   "stationary variance, theory [m²]"], rows,
-                 "Tracking errors at {:.6g} s (step {})".format(last * run.sample_period, last))
+                 "Tracking errors at {:.6g} s (step {}); {}".format(last * run.sample_period, last, MEANING_OF_Z))
 
 
 def gap_numbers(run: sp.Results) -> str:
@@ -172,7 +187,7 @@ def section(run: sp.Results, at: int) -> str:
     if collisions_of(run) is not None:
         parts.append(gap_numbers(run))
     parts += ["<h3>What was run</h3>", what_was_run(run), "<h3>Model</h3>",
-              pairs(flattened(run.summary["configuration"]["model"])), "<h3>Files</h3>", checksums(run)]
+              model_of(run), "<h3>Files</h3>", checksums(run)]
     return "\n".join(parts)
 
 
@@ -180,7 +195,8 @@ def overview(runs: Sequence[sp.Results]) -> str:
     rows = [[run.name, style.verdict(run.string_stable), "passed" if not sp.check(run.path) else "failed", str(run.followers),
              str(run.realizations), number(run.max_abs_z, 3), number(run.errors.variance[-1, -1]),
              number(run.errors.theoretical_variance[-1, -1])] for run in runs]
-    return table(["run", "verdict", "check", "followers", "realizations", "largest |z|", "variance of the last follower [m²]", "theory [m²]"], rows)
+    return table(["run", "verdict", "check", "followers", "realizations", "largest |z|", "variance of the last follower [m²]", "theory [m²]"], rows,
+                 "{}; the largest over all followers and steps, of mean or variance".format(MEANING_OF_Z))
 
 
 def page_of(runs: Sequence[sp.Results], title: str) -> str:

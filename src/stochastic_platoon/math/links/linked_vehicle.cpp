@@ -78,11 +78,12 @@ RatedFactor LinkedVehicle::designed_factor(const LinkedVehicle* known, bool behi
     return {{poles_of(vehicle_.loop), {zeros, zeros + known->loop_zeros_}}, {}};
   }
   if (!has_radio && !behind_other) return rated_factor(vehicle_.loop);
-  const auto fraction = [this](std::size_t link) {
-    return link < links_.size() && links_[link].has_losses() ? links_[link].losses().fraction() : LossFraction();
+  const auto transfer = [this](std::size_t link) {
+    const bool loses = link < links_.size() && links_[link].has_losses();
+    return loses ? links_[link].losses().transfer() : ExactTransfer{{Exact(1)}, {Exact(1)}};
   };
   const DesignedGain::Links links{0.0L, 0.0L, links_.front().delay(), links_.back().delay()};
-  return {{poles_of(vehicle_.loop), designed_->zeros(fraction(0), fraction(1), links)}, {}};
+  return {{poles_of(vehicle_.loop), designed_->zeros(transfer(0), transfer(1), links)}, {}};
 }
 
 LinkedVehicleValue LinkedVehicle::at(const CirclePoint& point) const {
@@ -165,7 +166,7 @@ ZerosAtZero LinkedVehicle::zeros_at_zero() const {
   const LinkFilter& input = links_.back();
   const LoopDesign& design = *vehicle_.design;
   if (input.has_losses())
-    zeros.innovation = std::min(zeros.innovation, input.losses().surprise_zeros() + design.plant.exact().integrators());
+    zeros.innovation = std::min(zeros.innovation, input.losses().surprise_zeros() + design.plant.integrators());
   zeros.noise = std::min(zeros.noise, input.noise_zeros() + design.controller.exact().integrators());
   return zeros;
 }

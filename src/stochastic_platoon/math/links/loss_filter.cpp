@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
 
 namespace platoon {
@@ -75,11 +76,11 @@ GainFactor LossFilter::factor() const {
   return {zeros(near_.registers), {}};
 }
 
-LossFraction LossFilter::fraction() const {
-  if (kernel_) return kernel_->fraction();
-  LossFraction found{{Exact(1.0L - static_cast<long double>(loss_.probability))}, {}, 0};
+ExactTransfer LossFilter::transfer() const {
+  if (kernel_) return kernel_->transfer();
+  ExactTransfer found{{Exact(1.0L - static_cast<long double>(loss_.probability))}, {}};
   for (const long double c : near_.registers) found.denominator.emplace_back(c);
-  found.powers = static_cast<std::ptrdiff_t>(near_.registers.size()) - 1;
+  found.delay = 1 - static_cast<std::ptrdiff_t>(near_.registers.size());
   return found;
 }
 

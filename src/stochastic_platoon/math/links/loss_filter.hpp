@@ -61,7 +61,7 @@ public:
 
   /// T_L by poles and zeros, those at z = 0 apart, and as a fraction.
   GainFactor factor() const;
-  LossFraction fraction() const;
+  ExactTransfer transfer() const;
 
   /// The coefficients that limit the digits of T_L: z^n / F by powers of z - 1; 1 for a chain.
   const CirclePolynomial& registers() const { return near_.registers; }

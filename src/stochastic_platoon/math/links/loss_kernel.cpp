@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 #include "stochastic_platoon/math/numerics/resolvent_terms.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/numerics/zeros.hpp"
@@ -72,37 +74,34 @@ LossKernel::LossKernel(const LossModel& loss) : chain_(loss) {
     if (!(own_(c * m) > 0.0)) reject_growth();
   }
 
-  fraction_ = exact_fraction();
-  factor_ = {zeros(fraction_.denominator), zeros(fraction_.numerator)};
+  transfer_ = std::make_shared<const ExactTransfer>(mean_transfer());
+  factor_ = {zeros(transfer_->denominator), zeros(transfer_->numerator)};
   find_memories();
 }
 
-// The mean of r is zero if s takes away what the registers give.
-ExactMatrix LossKernel::inverse(const Exact& arrivals) const {
-  ExactMatrix result = transition_.cast<Exact>(), given = ExactMatrix::Zero(1, result.cols());
-  for (Eigen::Index c = 0; c < chain_.modes(); ++c) given += result.row(block(c));
-  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) {
-    const Exact share = Exact(chain_.stationary()(c)) / arrivals;
-    for (Eigen::Index i = 0; i < chain_.registers(); ++i) result.row(block(c) + i) -= given * Exact(share * entry_(i));
-  }
-  return result;
-}
-
-LossFraction LossKernel::exact_fraction() const {
+ExactTransfer LossKernel::mean_transfer() const {
   constexpr double kZero = 1e-80;  // smaller coefficients are rounding of a hundred digits
   const auto polynomial = [](const ExactMatrix& matrix) {
     return exact_resolvent(matrix, ExactMatrix::Zero(1, matrix.cols())).denominator;
   };
   Exact arrivals(0);
   for (Eigen::Index c = 0; c < chain_.arrived(); ++c) arrivals += Exact(chain_.stationary()(c));
-  LossFraction found{polynomial(inverse(arrivals)), polynomial(transition_.cast<Exact>()), 0};
+  // The mean of r is zero if s takes away what the registers give.
+  const ExactMatrix transition = transition_.cast<Exact>();
+  ExactMatrix inverse = transition, given = ExactMatrix::Zero(1, transition.cols());
+  for (Eigen::Index c = 0; c < chain_.modes(); ++c) given += transition.row(block(c));
+  for (Eigen::Index c = 0; c < chain_.arrived(); ++c) {
+    const Exact share = Exact(chain_.stationary()(c)) / arrivals;
+    for (Eigen::Index i = 0; i < chain_.registers(); ++i) inverse.row(block(c) + i) -= given * Exact(share * entry_(i));
+  }
+  ExactTransfer found{polynomial(inverse), polynomial(transition)};
   const auto without_zeros_at_origin = [kZero](ExactPolynomial& p) {
     std::ptrdiff_t count = 0;
     for (; p.size() > 1 && abs(p.back()) < kZero; ++count) p.pop_back();
     return count;
   };
-  found.powers = without_zeros_at_origin(found.numerator);
-  found.powers -= without_zeros_at_origin(found.denominator);
+  found.delay = without_zeros_at_origin(found.denominator);
+  found.delay -= without_zeros_at_origin(found.numerator);
   for (Exact& coefficient : found.numerator) coefficient *= arrivals;
   found.numerator = shifted_to_one(std::move(found.numerator));
   found.denominator = shifted_to_one(std::move(found.denominator));

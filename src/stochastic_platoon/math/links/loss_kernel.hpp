@@ -2,10 +2,10 @@
 
 #include <Eigen/Dense>
 #include <complex>
+#include <memory>
 #include <vector>
 
 #include "stochastic_platoon/math/model/loss_chain.hpp"
-#include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 #include "stochastic_platoon/math/response/attenuation.hpp"
 #include "stochastic_platoon/math/response/designed_gain.hpp"
 
@@ -68,11 +68,10 @@ public:
 
   /// Poles and zeros of T_L, and T_L in a hundred digits.
   const GainFactor& factor() const { return factor_; }
-  const LossFraction& fraction() const { return fraction_; }
+  const ExactTransfer& transfer() const { return *transfer_; }
 
 private:
-  ExactMatrix inverse(const Exact& arrivals) const;
-  LossFraction exact_fraction() const;
+  ExactTransfer mean_transfer() const;
   void find_memories();
   Eigen::Index block(Eigen::Index mode) const { return mode * chain_.registers(); }
 
@@ -87,7 +86,7 @@ private:
   Eigen::RowVectorXd itself_;
   std::vector<std::complex<double>> memories_;
   Eigen::MatrixXcd right_, left_;  ///< v_m in columns, u_m' in rows
-  LossFraction fraction_;
+  std::shared_ptr<const ExactTransfer> transfer_;
   GainFactor factor_;
 };
 

@@ -117,11 +117,11 @@ TransferFunction of_determined_degree(const TransferFunction& t, const StateSpac
   for (std::size_t k = 0; n.size() > 1; ++k) {
     double sum = (sizes(left[0]) * sizes(right[k]) + sizes(left[k]) * sizes(right[0])).value();
     for (std::size_t j = 0; j < k; ++j) sum += (sizes(left[j]) * sizes(a) * sizes(right[k - 1 - j])).value();
-    const double coefficient = (left[0] * right[k]).value().convert_to<double>();
+    const double coefficient = product(left[0], right[k]).value().convert_to<double>();
     if (std::abs(coefficient) > kCoefficientRounding * sum) break;
     if (n.size() == system.order() - static_cast<Eigen::Index>(k)) n = n.tail(n.size() - 1).eval();
-    left.emplace_back(left[k] * a);
-    right.emplace_back(a * right[k]);
+    left.push_back(product(left[k], a));
+    right.push_back(product(a, right[k]));
   }
   return {n, t.denominator()};
 }

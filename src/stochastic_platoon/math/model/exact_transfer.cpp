@@ -38,10 +38,10 @@ ExactMatrix exponential(ExactMatrix m) {
   constexpr int kTerms = 64;  // 16^-64 / 64! is below 1e-160
   ExactMatrix sum = ExactMatrix::Identity(m.rows(), m.cols()), term = sum;
   for (int k = 1; k <= kTerms; ++k) {
-    term = (term * m / Exact(k)).eval();
+    term = product(term, m) / Exact(k);
     sum += term;
   }
-  for (; halvings > 0; --halvings) sum = (sum * sum).eval();
+  for (; halvings > 0; --halvings) sum = product(sum, sum);
   return sum;
 }
 
@@ -99,15 +99,16 @@ ExactTransfer zero_order_hold(const Polynomial& numerator, const Polynomial& den
     std::reverse(p.begin(), p.end());
     return p;
   };
-  const ExactResolvent resolvent = exact_resolvent(late.phi * early.phi - ExactMatrix::Identity(n, n), c);  // in s
+  const ExactResolvent resolvent =
+      exact_resolvent(product(late.phi, early.phi) - ExactMatrix::Identity(n, n), c);  // in s
   ExactTransfer transfer{ascending(resolvent.numerator(late.gamma)), ascending(resolvent.denominator),
                          static_cast<std::ptrdiff_t>(delay.steps)};
   // Each pole at s = 0 of the continuous plant is one at z = 1 of the sampled plant, but for the 100th digit.
   for (Eigen::Index i = 0; i < n && denominator(n - i) == 0.0; ++i)
     transfer.denominator[static_cast<std::size_t>(i)] = 0;
   if (!whole) {  // Gamma_0 + Gamma_1 / z, see Plant
-    transfer.numerator =
-        add(multiply(transfer.numerator, {Exact(1), Exact(1)}), ascending(resolvent.numerator(late.phi * early.gamma)));
+    transfer.numerator = add(multiply(transfer.numerator, {Exact(1), Exact(1)}),
+                             ascending(resolvent.numerator(product(late.phi, early.gamma))));
     ++transfer.delay;
   }
   return transfer;

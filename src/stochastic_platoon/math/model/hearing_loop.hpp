@@ -2,11 +2,11 @@
 
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
-#include "stochastic_platoon/math/numerics/exact.hpp"
 
 namespace platoon {
 
@@ -39,17 +39,12 @@ public:
 
   /// L = numerator / denominator z^-delay by powers of s = z - 1: the loop opened at the plant's input, (G K W + G F_v
   /// d - G F_a d^2) / H.
-  struct Open {
-    ExactPolynomial numerator, denominator;
-    std::ptrdiff_t delay;
-  };
-  Open opened() const;
+  ExactTransfer opened() const;
 
 private:
-  ExactPolynomial plant_numerator_, plant_denominator_, controller_numerator_, controller_denominator_;
-  std::ptrdiff_t plant_delay_, controller_delay_;
-  double headway_, spacing_;     ///< h with a headway filter, else 0; s
-  double speed_, acceleration_;  ///< F_v / T_s, F_a / T_s^2
+  std::shared_ptr<const ExactTransfer> plant_, controller_;  ///< G, K
+  double headway_, spacing_;                                 ///< h with a headway filter, else 0; s
+  double speed_, acceleration_;                              ///< F_v / T_s, F_a / T_s^2
   CirclePolynomial rounded_[4];
 };
 

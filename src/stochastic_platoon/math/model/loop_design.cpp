@@ -73,6 +73,17 @@ Plant::Plant(const TransferFunction& sampled)
 Plant::Plant(const ContinuousPlant& continuous, double sample_period)
     : given_(continuous), exact_(held(continuous, sample_period)) {}
 
+SampledPlant Plant::sampled() const {
+  const auto coefficients = [](const ExactPolynomial& p, std::ptrdiff_t powers) {
+    return rounded(shifted_to_origin(times_power_of_z(p, powers)));
+  };
+  return {coefficients(exact_->numerator, -exact_->delay), coefficients(exact_->denominator, exact_->delay)};
+}
+
+int Plant::integrators() const {
+  return exact_->integrators();
+}
+
 bool Plant::operator==(const Plant& other) const {
   return exact_ == other.exact_ ||
          (exact_->delay == other.exact_->delay && exact_->numerator == other.exact_->numerator &&

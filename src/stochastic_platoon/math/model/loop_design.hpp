@@ -39,6 +39,11 @@ struct SplitDelay {
 };
 SplitDelay split_delay(double input_delay, double sample_period);
 
+/// G(z) by descending powers of z; poles and zeros at z = 0 are not reduced.
+struct SampledPlant {
+  Polynomial numerator, denominator;
+};
+
 /// The plant of a vehicle: G(z) as given, or the exact zero-order hold equivalent of G(s).
 ///
 /// An input delay of d + f sample periods, 0 <= f < 1, makes the held input change within the sample: G(z) = z^-d C (zI
@@ -55,6 +60,12 @@ public:
   /// As given.
   const std::variant<TransferFunction, ContinuousPlant>& given() const { return given_; }
   const ExactTransfer& exact() const { return *exact_; }
+
+  /// G(z), rounded.
+  SampledPlant sampled() const;
+
+  /// Number of poles at z = 1 minus number of zeros there.
+  int integrators() const;
 
   /// Whether G(z) is the same to the last digit.
   bool operator==(const Plant& other) const;

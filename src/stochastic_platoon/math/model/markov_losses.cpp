@@ -59,10 +59,10 @@ Eigen::VectorXd stationary_of(Eigen::MatrixXd p) {
     p.col(k).head(k) /= p.row(k).head(k).sum();
     for (Eigen::Index i = 0; i < k; ++i) p.row(i).head(k) += p(i, k) * p.row(k).head(k);
   }
-  Eigen::VectorXd pi = Eigen::VectorXd::Zero(n);
-  pi(0) = 1.0;
-  for (Eigen::Index k = 1; k < n; ++k) pi(k) = pi.head(k).dot(p.col(k).head(k));
-  return pi / pi.sum();
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(n);
+  weights(0) = 1.0;
+  for (Eigen::Index k = 1; k < n; ++k) weights(k) = weights.head(k).dot(p.col(k).head(k));
+  return weights / weights.sum();
 }
 
 void check(const Eigen::MatrixXd& transition, const Eigen::VectorXd& probability) {

@@ -83,7 +83,7 @@ Resolvent resolvent(const StateSpace& system) {
   ExactMatrix term = b;  // coefficient of adj(zI - A) B, from the highest power of z on
   for (std::size_t k = 1; k < exact.denominator.size(); ++k) {
     for (std::size_t i = 0; i < states.size(); ++i) states[i].push_back(term(static_cast<Eigen::Index>(i), 0));
-    term = (a * term + b * exact.denominator[k]).eval();
+    term = product(a, term) + b * exact.denominator[k];
   }
   for (const ExactPolynomial& state : states) result.delta_states.push_back(rounded_delta(shifted_to_one(state)));
   return result;

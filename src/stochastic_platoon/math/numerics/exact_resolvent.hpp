@@ -10,6 +10,9 @@ namespace platoon {
 
 using ExactMatrix = Eigen::Matrix<Exact, Eigen::Dynamic, Eigen::Dynamic>;
 
+/// a b, entry by entry, and compiled once: Eigen's product by blocks takes seconds to compile for this number.
+ExactMatrix product(const ExactMatrix& a, const ExactMatrix& b);
+
 /// C (zI - M)^-1 by descending powers of z: the n entries of C adj(zI - M), and det(zI - M).
 struct ExactResolvent {
   std::vector<ExactPolynomial> numerators;

@@ -34,7 +34,6 @@ std::size_t leading_zeros_of(const ExactPolynomial& p) {
 
 DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed_forward, const Plant& before)
     : delay_(design.plant.exact().delay + design.controller.exact().delay),
-      ahead_delay_(before.exact().delay + design.controller.exact().delay),
       controller_delay_(design.controller.exact().delay),
       filtered_(design.headway_filter),
       sends_(design.sends_input),
@@ -45,8 +44,9 @@ DesignedGain::DesignedGain(const LoopDesign& design, double headway, double feed
   if (design.divide_by_one_plus_headway) {
     for (Exact& coefficient : of_controller) coefficient *= Exact(1) + Exact(headway);
   }
-  ahead_numerator_ = multiply(ahead.numerator, controller.numerator);
-  ahead_denominator_ = multiply(ahead.denominator, of_controller);
+  ahead_ = std::make_shared<const ExactTransfer>(ExactTransfer{multiply(ahead.numerator, controller.numerator),
+                                                               multiply(ahead.denominator, of_controller),
+                                                               ahead.delay + controller.delay});
   numerator_ = rounded_delta(multiply(plant.numerator, controller.numerator));
   denominator_ = rounded_delta(multiply(plant.denominator, of_controller));
   plant_numerator_ = rounded_delta(plant.numerator);
@@ -76,7 +76,7 @@ DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& link
   if (feed_forward_ != 0.0L) {
     const Complex plant = evaluate(plant_numerator_, s);
     value.input = feed_forward_ * plant * evaluate(controller_denominator_, s) * turned(z, controller_delay_) / closed;
-    const std::int64_t turns = links.position_delay - links.input_delay - (delay_ - ahead_delay_);
+    const std::int64_t turns = links.position_delay - links.input_delay - (delay_ - ahead_->delay);
     Complex quotient = 1.0L, one_minus_quotient = 0.0L;
     if (!quotient_difference_.empty()) {
       const Complex over = evaluate(quotient_denominator_, s);
@@ -107,19 +107,23 @@ DesignedGain::Value DesignedGain::at(const CirclePoint& point, const Links& link
   return value;
 }
 
-std::vector<std::complex<long double>> DesignedGain::zeros(const LossFraction& position, const LossFraction& input,
+std::vector<std::complex<long double>> DesignedGain::zeros(const ExactTransfer& position, const ExactTransfer& input,
                                                            const Links& links) const {
   // T^ G_before / G = (T_L z^-m G_before K + T_L' z^-m' F) / (H (1 + G K)): with G_before K = n / d z^-q, T_L = z^a N /
   // D and T_L' = z^b N' / D' the numerator N D' n z^(a - q - m) + N' D F d z^(b - m'), without the powers of z that
   // both terms share.
-  if (feed_forward_ == 0.0L) return platoon::zeros(ahead_numerator_);
-  const ExactPolynomial of_position = multiply(multiply(ahead_numerator_, input.denominator), position.numerator),
-                        of_input = multiply(multiply(ahead_denominator_, position.denominator),
+  if (feed_forward_ == 0.0L) return platoon::zeros(ahead_->numerator);
+  const ExactPolynomial of_position = multiply(multiply(ahead_->numerator, input.denominator), position.numerator),
+                        of_input = multiply(multiply(ahead_->denominator, position.denominator),
                                             multiply(input.numerator, {Exact(feed_forward_)}));
-  const std::ptrdiff_t behind = static_cast<std::ptrdiff_t>(links.position_delay - links.input_delay) + ahead_delay_ +
-                                input.powers - position.powers;
+  const std::ptrdiff_t behind = static_cast<std::ptrdiff_t>(links.position_delay - links.input_delay) + ahead_->delay +
+                                position.delay - input.delay;
   return behind >= 0 ? zeros_behind_delay(of_input, static_cast<std::size_t>(behind), of_position)
                      : zeros_behind_delay(of_position, static_cast<std::size_t>(-behind), of_input);
+}
+
+std::int64_t DesignedGain::plant_turns() const {
+  return std::abs(delay_ - ahead_->delay);
 }
 
 int DesignedGain::zeros_of_difference() const {

@@ -4,19 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <vector>
 
 #include "stochastic_platoon/math/model/loop_design.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
-#include "stochastic_platoon/math/numerics/exact.hpp"
 
 namespace platoon {
-
-/// The mean effect of losses on a sequence: T_L = z^powers numerator / denominator, polynomials by powers of s = z - 1.
-struct LossFraction {
-  ExactPolynomial numerator{Exact(1)}, denominator{Exact(1)};
-  std::ptrdiff_t powers = 0;
-};
 
 /// A vehicle on the unit circle from plant G and controller K, with one or two inputs. With W = 1 / (G K) and H =
 /// (1 + h) - h / z, from the received position and, by feed-forward F, from the received input to the own position:
@@ -54,22 +48,22 @@ public:
 
   /// The zeros s = z - 1 of T^ G_before / G, apart from those at z = 0, with these losses and, without effect of their
   /// excess, these links; without feed-forward those of a T_L = 1. Along a string the factors G / G_before cancel.
-  std::vector<std::complex<long double>> zeros(const LossFraction& position, const LossFraction& input,
+  std::vector<std::complex<long double>> zeros(const ExactTransfer& position, const ExactTransfer& input,
                                                const Links& links) const;
 
   /// Difference of the delays of G and G_before [steps].
-  std::int64_t plant_turns() const { return std::abs(delay_ - ahead_delay_); }
+  std::int64_t plant_turns() const;
 
   /// Multiplicity of z = 1 as a zero of 1 - F G / G_before, negative for a pole.
   int zeros_of_difference() const;
 
 private:
-  ExactPolynomial ahead_numerator_, ahead_denominator_;  ///< G_before K = numerator / denominator z^-ahead_delay
-  CirclePolynomial numerator_, denominator_;             ///< G K = numerator / denominator z^-delay
+  std::shared_ptr<const ExactTransfer> ahead_;  ///< G_before K
+  CirclePolynomial numerator_, denominator_;    ///< G K = numerator / denominator z^-delay
   CirclePolynomial plant_numerator_, plant_denominator_, controller_denominator_;
   /// G / G_before = numerator / denominator z^-(delay - ahead_delay), difference = denominator - numerator; empty: 1.
   CirclePolynomial quotient_numerator_, quotient_denominator_, quotient_difference_;
-  std::ptrdiff_t delay_, ahead_delay_, controller_delay_;
+  std::ptrdiff_t delay_, controller_delay_;
   bool filtered_, sends_;
   long double headway_, feed_forward_;
 };

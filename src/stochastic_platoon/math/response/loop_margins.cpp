@@ -21,12 +21,10 @@ using Complex = std::complex<long double>;
 
 constexpr long double kPi = boost::math::constants::pi<long double>();
 
-using OpenLoop = HearingLoop::Open;
-
-OpenLoop open_loop(const LoopDesign& design, double headway) {
+ExactTransfer open_loop(const LoopDesign& design, double headway) {
   const ExactTransfer &plant = design.plant.exact(), &controller = design.controller.exact();
-  OpenLoop loop{multiply(plant.numerator, controller.numerator), multiply(plant.denominator, controller.denominator),
-                plant.delay + controller.delay};
+  ExactTransfer loop{multiply(plant.numerator, controller.numerator),
+                     multiply(plant.denominator, controller.denominator), plant.delay + controller.delay};
   const Exact one_and_headway = Exact(1) + Exact(headway);
   if (design.divide_by_one_plus_headway) {
     for (Exact& coefficient : loop.denominator) coefficient *= one_and_headway;
@@ -38,7 +36,7 @@ OpenLoop open_loop(const LoopDesign& design, double headway) {
 }
 
 /// The frequencies in (0, pi) where |L| crosses 1.
-std::vector<double> crossovers(const OpenLoop& loop) {
+std::vector<double> crossovers(const ExactTransfer& loop) {
   CirclePolynomial numerator = rounded_delta(loop.numerator), denominator = rounded_delta(loop.denominator);
   std::vector<double> found;
   for (const Centre centre : {Centre::kOne, Centre::kMinusOne}) {
@@ -55,7 +53,7 @@ std::vector<double> crossovers(const OpenLoop& loop) {
 }
 
 /// arg(-L) in (-pi, pi]: the lag that turns L to -1.
-long double lag_to_minus_one(const OpenLoop& loop, double frequency) {
+long double lag_to_minus_one(const ExactTransfer& loop, double frequency) {
   const CirclePoint point(frequency);
   const Complex s = point.from_one();
   const Complex undelayed = evaluate(rounded_delta(loop.numerator), s) / evaluate(rounded_delta(loop.denominator), s);
@@ -64,7 +62,7 @@ long double lag_to_minus_one(const OpenLoop& loop, double frequency) {
 }
 
 /// Sets the peak of |1 / (1 + L)| = prod |z - open pole| / prod |z - closed pole|.
-void find_peak(std::vector<Complex> closed_poles, const OpenLoop& loop, LoopMargins& margins) {
+void find_peak(std::vector<Complex> closed_poles, const ExactTransfer& loop, LoopMargins& margins) {
   GainFactor sensitivity{std::move(closed_poles), {}};
   long double constant = 0.0L;  // of -ln |1 / (1 + L)|^2
   for (const Complex& pole : sensitivity.poles) constant += std::log(std::norm(pole));
@@ -83,7 +81,7 @@ void find_peak(std::vector<Complex> closed_poles, const OpenLoop& loop, LoopMarg
       least.t <= 1.0L ? frequency_at(least.t, Centre::kOne) : frequency_at(2.0L - least.t, Centre::kMinusOne);
 }
 
-LoopMargins margins_of(const OpenLoop& loop, std::vector<Complex> closed_poles) {
+LoopMargins margins_of(const ExactTransfer& loop, std::vector<Complex> closed_poles) {
   LoopMargins margins{};
   for (const double frequency : crossovers(loop)) {
     const long double lag = lag_to_minus_one(loop, frequency), of_delay = lag > 0.0L ? lag : lag + 2.0L * kPi;

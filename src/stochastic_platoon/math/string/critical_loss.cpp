@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {

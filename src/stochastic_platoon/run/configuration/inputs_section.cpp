@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <utility>
 
-#include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/link_section.hpp"
 
@@ -185,7 +184,7 @@ void check_hearing(PlatoonModel& model, Section& document) {
     };
     if (!type.vehicle.design) {
       report("closed_loop: given: must be plant and controller: " + who + " are sent the control inputs of others");
-    } else if (type.vehicle.design->plant.exact().integrators() < 2) {
+    } else if (type.vehicle.design->plant.integrators() < 2) {
       report("plant: no double integrator: must have two poles at z = 1 (s = 0), as " + who +
              " are sent its input, an acceleration");
     }

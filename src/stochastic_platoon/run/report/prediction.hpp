@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/string/effective_sample.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/io/csv_text.hpp"
