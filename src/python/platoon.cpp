@@ -114,6 +114,7 @@ py::tuple rare_of(const Model& model, const Settings& settings, const Settings& 
   configuration.run.hosting = Hosting::monte_carlo;
   const RareOptions given = rare_options(options);
   const RareRun run = unlocked([&] { return rare_run(configuration, given); });
+  require_an_estimate(run);
   Supervision supervised(
       threads, checkpoint_seconds, [&](std::uint64_t done) { progress(done, run.samples()); }, warn);
   const RareResult result = unlocked([&] { return compute_rare(run, supervised.how); });
@@ -204,7 +205,8 @@ PYBIND11_MODULE(_platoon, module) {
       .def("document", [](const Model& model) { return plain_object_of(model.document()); })
       .def("manoeuvres", &manoeuvres_of)
       .def("vehicle", &vehicle_of, py::arg("index"))
-      .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); });
+      .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); })
+      .def_property_readonly("start_slope", [](const Model& model) { return start_slope(model.model()); });
 
   module.def("parse_configuration", [](const std::string& text) {
     const Configuration configuration = parse_recorded_configuration(text);

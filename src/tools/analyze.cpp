@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
        {"model", "followers", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader",
         "steps", "burn_in"},
        {{"json", "file for all numbers"},
-        {"sweep_headway", "FROM:TO:COUNT: stability over headways"},
+        {"sweep_headway", "FROM:TO:COUNT: stability over headways, in sample periods"},
         {"sweep_gain", "FROM:TO:COUNT: with --sweep-headway, over controller gains too"},
         {"sweep_loss", "FROM:TO:COUNT: stability over loss probabilities, and headways where both are given"},
         {"sweep_burst", "FROM:TO:COUNT: stability over mean bursts, and over the others given"},
@@ -94,6 +94,7 @@ int main(int argc, char** argv) {
     nlohmann::json document = platoon::to_json(configuration, analysis);
     if (!points.empty()) document["sweep"] = platoon::to_json(points, model.sample_period);
     if (given.has("csv")) platoon::write_atomically(given["csv"], platoon::to_csv(points));
+    if (!points.empty() && platoon::has_limits(model)) std::cout << "Stability map of the same cars without limits\n";
     if (!given.has("csv")) std::cout << platoon::report(points);
     if (given.has("json")) platoon::write_atomically(given["json"], document.dump(1) + "\n");
     return 0;

@@ -2,6 +2,8 @@
 // splitting. Writes rare.csv and rare.json. An estimation that was interrupted or killed continues with the same
 // command.
 
+#include <unistd.h>
+
 #include <iostream>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
@@ -60,12 +62,17 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
     return changed;
   };
   const platoon::VehicleModel& vehicle = base.model.default_vehicle();
+  const std::string per = requirement.per_hour ? " per hour" : " per run";
   const double present = requirement.over == "time_headway" ? vehicle.headway : vehicle.standstill_distance;
   const double value = platoon::required_value(
       requirement, present > 0.0 ? present : 1.0, [&](double of) { return prepared(with(of), options); },
-      platoon::shard_settings(given));
-  std::cout << requirement.over << ": " << value << " for " << requirement.probability << " per "
-            << (requirement.per_hour ? "hour" : "run") << ", any follower\n";
+      platoon::shard_settings(given),
+      [&](double of, double figure) {
+        if (::isatty(STDERR_FILENO) != 0)
+          std::cerr << requirement.over << " " << of << ": " << figure << per << " at the upper 95 % limit\n";
+      });
+  std::cout << requirement.over << ": " << value << " for at most " << requirement.probability << per
+            << ", any follower, at the upper 95 % limit\n";
   return with(value);
 }
 
@@ -95,7 +102,7 @@ int main(int argc, char** argv) {
         {"method",
          "condition: conditioned realizations, for links with normal errors; split: splitting by levels, for losses, quantisation and limits; auto: by the model (auto)"},
         {"required",
-         "probability of a small gap of any follower: finds the smallest --over that satisfies it, and estimates there"},
+         "probability of a small gap of any follower: finds the smallest --over whose upper 95 % limit satisfies it, and estimates there"},
         {"per", "with --required: run or hour (run)"},
         {"over", "with --required: standstill_distance or time_headway, of the default vehicle (standstill_distance)"},
         {"speed", "[m/s]: rare.json also has probabilities per kilometre at this speed"},
@@ -124,9 +131,10 @@ int main(int argc, char** argv) {
         platoon::parse_configuration(platoon::configuration_document(given.settings));
     configuration.run.hosting = platoon::Hosting::monte_carlo;
     const platoon::RareOptions options = platoon::rare_options(given.options);
-    if (const auto requirement = platoon::rare_requirement(given.options))
-      configuration = fulfilling(*requirement, configuration, options, given);
+    const auto requirement = platoon::rare_requirement(given.options);
+    if (requirement) configuration = fulfilling(*requirement, configuration, options, given);
     const platoon::RareRun run = prepared(configuration, options);
+    if (!requirement) platoon::require_an_estimate(run);
     if (given.has("trajectories")) {
       write_trajectories(run, given["vehicle"], given["only"]);
       return 0;

@@ -59,8 +59,12 @@ class Example(ExternalTest):
             measured = file.read()
         found = live_platoon.tool("bag_statistics", bag, "--csv")
         self.assertEqual((found.returncode, found.stdout), (0, measured))
+        checked = live_platoon.tool("check", self.output)
+        self.assertIn("in agreement up to follower 1 (largest |z|", checked.stdout, checked.stderr)
+        tools = live_platoon.shared("src", "tools")
+        subprocess.run([os.path.join(tools, "report"), self.output, "--output", self.path("report.html")], check=True)
         figure = self.path("errors")
-        plot = os.path.join(live_platoon.shared("src", "tools"), "plot")
+        plot = os.path.join(tools, "plot")
         subprocess.run([plot, "errors", self.output, "--output", figure], check=True, stdout=subprocess.DEVNULL)
         self.assertGreater(os.path.getsize(figure + ".png"), 10000)
 

@@ -172,6 +172,18 @@ class Limits(Model, FolderTest):
                                                "closed_loop": {"A": [[0.75, 0.375], [-0.125, 0.0]], "B": [0.25, 0.0], "C": [1.0, 0.0]}}})
 
 
+class LinearMap(unittest.TestCase):
+    def test_the_map_of_cars_with_limits_is_that_of_the_same_cars_without(self):
+        limited = sp.Model.load("acc_limits.yaml")
+        document = dict(limited.to_dict(), start="steady")
+        del document["limits"]
+        axes = dict(headway=np.array([2.5, 3.5]) / limited.sample_period, loss=[0.0, 0.1])
+        found, linear = sp.stability_map(limited, **axes), sp.stability_map(sp.Model.from_dict(document), **axes)
+        np.testing.assert_array_equal(found.string_stable, linear.string_stable)
+        np.testing.assert_array_equal(found.peak_gain, linear.peak_gain)
+        self.assertEqual(set(found.string_stable.ravel()), {0.0, 1.0})
+
+
 class ShippedExamples(unittest.TestCase):
     """Every shipped model drives like cars, or its file says that it is a textbook loop."""
 

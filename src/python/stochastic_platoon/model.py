@@ -136,6 +136,11 @@ class Model:
         """Whether all followers have the default type."""
         return self._handle.is_homogeneous
 
+    @property
+    def start_slope(self) -> float:
+        """Displacement of all vehicles per step before step -1 [m]: V T_s for a steady start, 0 at rest."""
+        return self._handle.start_slope
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Model) and self.to_dict() == other.to_dict()
 

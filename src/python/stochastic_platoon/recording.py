@@ -69,7 +69,7 @@ class Recording:
                 y[i] = table[row, :steps.size]
             for i, table in enumerate(received, 1):
                 quantities["received_position"][i] = table[row, :steps.size]
-            moved = np.diff(y, axis=1, prepend=y[:, :1])
+            moved = np.diff(y, axis=1, prepend=y[:, :1] - model.start_slope)
             for i in range(1, followers + 1):
                 apart, own = y[i - 1] - y[i], vehicles[i]
                 quantities["gap"][i] = apart - vehicles[i - 1].vehicle_length
@@ -77,7 +77,7 @@ class Recording:
             rate = moved
             for order, name in enumerate(("speed", "acceleration", "jerk"), 1):
                 quantities[name][:] = rate / period ** order
-                rate = np.diff(rate, axis=1, prepend=0.0)
+                rate = np.diff(rate, axis=1, prepend=rate[:, :1])
             for name in ("gap", "tracking_error", "speed", "acceleration", "jerk"):
                 quantities[name][:, 0] = np.nan  # signals begin at step 0
             name = "realization {}".format(first + row)

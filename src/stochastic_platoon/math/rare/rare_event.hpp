@@ -49,6 +49,10 @@ public:
   /// The reason why a row has no estimate; empty if it has one.
   virtual std::string problem(std::size_t /*row*/) const { return ""; }
 
+  /// ln of the probability of the nearest event that has an estimate, and that a row's event is a part of: log_scale(),
+  /// unless the row has a problem().
+  virtual double log_reached(std::size_t row) const { return log_scale(row); }
+
   /// The draws of the vehicles in a sample in which the event of a row happens; null if it does not in this sample.
   /// Without a sample: in the most likely one, as far as it is known.
   virtual std::shared_ptr<const ChangedDraws> replay(std::size_t row, std::optional<std::uint64_t> sample) const = 0;

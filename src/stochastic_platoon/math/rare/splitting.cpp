@@ -176,12 +176,12 @@ Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uin
                   kMostDraws * static_cast<double>(kRepetitions) /
                       (static_cast<double>(event.followers) * static_cast<double>(event.steps)),
                   event.followers, static_cast<long long>(event.steps)));
-  bool is_reached = false;
-  for (std::size_t row = 0; row <= event.followers; ++row) {
+  for (std::size_t row = 0; row <= event.followers; ++row)
     rows_.push_back(row == event.followers && row == 1 ? rows_.front() : pilot(row));
-    is_reached = is_reached || rows_.back().problem.empty();
-  }
-  if (!is_reached) throw std::invalid_argument(rows_.front().problem);
+}
+
+double Splitting::log_scale(std::size_t row) const {
+  return rows_[row].problem.empty() ? rows_[row].log_reached : kNaN;
 }
 
 Splitting::Row Splitting::pilot(std::size_t row) const {
@@ -201,7 +201,6 @@ Splitting::Row Splitting::pilot(std::size_t row) const {
         std::max(sorted[static_cast<std::size_t>(kFraction * static_cast<double>(sorted.size()))], event_.below);
     const double share = level < before ? paths.run(level, check) : 0.0;
     if (share == 0.0) {
-      result.log_scale = kNaN;
       result.problem = formatted(
           "below: %g m: levels die out: no path of %s falls below %g m: must be larger, or realizations more than %zu; the event may be impossible",
           event_.below, row < event_.followers ? ("vehicle_" + std::to_string(row + 1)).c_str() : "any vehicle",
@@ -209,7 +208,7 @@ Splitting::Row Splitting::pilot(std::size_t row) const {
       return result;
     }
     result.levels.push_back(level);
-    result.log_scale += std::log(share);
+    result.log_reached += std::log(share);
     if (level == event_.below) return result;
     before = level;
     paths.branch(level, check);
@@ -219,7 +218,7 @@ Splitting::Row Splitting::pilot(std::size_t row) const {
 
 double Splitting::weight(std::size_t row, std::uint64_t repetition, const Check& check) const {
   const Row& of = rows_[row];
-  return of.problem.empty() ? std::exp(Paths(*this, row, repetition).descend(of.levels, check) - of.log_scale) : 0.0;
+  return of.problem.empty() ? std::exp(Paths(*this, row, repetition).descend(of.levels, check) - of.log_reached) : 0.0;
 }
 
 BatchWork Splitting::work() const {

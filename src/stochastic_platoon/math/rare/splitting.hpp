@@ -26,15 +26,17 @@ public:
   static constexpr std::uint64_t kMostRealizations = kRepetitions << 26;
 
   /// `realizations`: n per level, of all repetitions. Throws std::invalid_argument unless it is from kLeastRealizations
-  /// to kMostRealizations, if the event always happens to a follower, and if no row reaches its last level.
+  /// to kMostRealizations, and if the event always happens to a follower.
   Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations);
 
   /// The logarithm of the pilot's estimate; NaN if it does not reach the last level.
-  double log_scale(std::size_t row) const override { return rows_[row].log_scale; }
+  double log_scale(std::size_t row) const override;
   std::uint64_t samples(std::uint64_t) const override { return kRepetitions; }
   BatchWork work() const override;
   std::vector<double> levels(std::size_t row) const override { return rows_[row].levels; }
   std::string problem(std::size_t row) const override { return rows_[row].problem; }
+  /// The pilot's estimate of the probability to fall below the last level that it reached.
+  double log_reached(std::size_t row) const override { return rows_[row].log_reached; }
 
   /// A path that reaches the last level in the repetition `sample`, by default in the first one that has any.
   std::shared_ptr<const ChangedDraws> replay(std::size_t row, std::optional<std::uint64_t> sample) const override;
@@ -42,7 +44,7 @@ public:
 private:
   struct Row {
     std::vector<double> levels;  ///< [m], descending; the last is the bound of the event
-    double log_scale = 0.0;
+    double log_reached = 0.0;
     std::string problem;
   };
   class Paths;

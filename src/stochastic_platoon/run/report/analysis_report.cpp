@@ -58,7 +58,8 @@ std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
   const double unit = model.sample_period;
   const std::string critical =
       headways.critical ? formatted("%.9g s (%.9g sample periods)", *headways.critical * unit, *headways.critical)
-                        : "none";
+      : headways.intervals.empty() ? "none"
+                                   : "none, as the longest are not string stable";
   return "Critical headway" + of_types(model, headways.types) + ": " + critical +
          formatted("; string stable headways within [%.6g, %.6g] s:", headways.searched.from * unit,
                    headways.searched.to * unit) +

@@ -52,6 +52,15 @@ void add_headways(const PlatoonModel& model, std::vector<std::string>& warnings)
   }
 }
 
+void add_drive(const Configuration& configuration, std::vector<std::string>& warnings) {
+  const PlatoonModel& model = configuration.model;
+  const std::int64_t steps = configuration.run.steps, all = static_cast<std::int64_t>(model.recorded_leader.size()) - 1;
+  if (!configuration.run.steps_chosen || steps >= all) return;
+  warnings.push_back(formatted("leader: the run ends at %.6g s of a drive of %.6g s: steps %lld run all of it",
+                               static_cast<double>(steps) * model.sample_period,
+                               static_cast<double>(all) * model.sample_period, static_cast<long long>(all)));
+}
+
 void add_standstill(const PlatoonModel& model, std::size_t followers, std::vector<std::string>& warnings) {
   const std::size_t first = std::min(followers, type_order(model).size() + 1);
   for (std::size_t i = 1; i <= first; ++i) {
@@ -109,6 +118,7 @@ std::vector<std::string> plausibility_warnings(const Configuration& configuratio
     warnings.push_back(
         formatted("leader: speed of %.6g m/s (%.6g km/h): cars reach %g m/s", speed, 3.6 * speed, kFastestCar));
   }
+  add_drive(configuration, warnings);
   add_headways(model, warnings);
   add_standstill(model, run.followers, warnings);
   if (!has_normal_errors(model)) return warnings;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/io/csv_text.hpp"
@@ -40,6 +41,7 @@ void require_all(const char* name, const std::vector<double>& values, const char
 }  // namespace
 
 std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& axes) {
+  if (has_limits(model)) return stability_map(without_limits(model, 0), axes);
   const auto above_zero = [](double value) { return value > 0.0; };
   require_all("headway", axes.headways, "a finite number > 0", above_zero);
   require_all("gain", axes.gains, "a finite number > 0", above_zero);

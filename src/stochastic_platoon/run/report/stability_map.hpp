@@ -26,10 +26,10 @@ struct MapAxes {
   std::vector<double> headways, gains, losses, bursts = {};
 };
 
-/// Stability at every combination. Losses in bursts keep their mean burst where the map does not vary it; a
-/// combination of probability and mean burst for which no Markov chain exists is undecided. Throws
-/// std::invalid_argument for a value that the model file does not allow, where there is no theory (see
-/// no_theory()), and for headways or gains if the closed loop was given directly.
+/// Stability at every combination, of vehicles with limits that of the same cars without. Losses in bursts keep their
+/// mean burst where the map does not vary it; a combination of probability and mean burst for which no Markov chain
+/// exists is undecided. Throws std::invalid_argument for a value that the model file does not allow, where there is no
+/// theory (see no_theory()), and for headways or gains if the closed loop was given directly.
 std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& axes);
 
 /// JSON for programs; missing values are null. `sample_period` [s]: of the margins in seconds.

@@ -28,7 +28,8 @@ double log_hazard(double log_probability) {
   return log_probability < 0.0 ? std::log(-std::log1p(-std::exp(log_probability))) : kNaN;
 }
 
-RareRow row_of(const RareEstimator& estimator, std::size_t row, const Moments& weight, double counted_hours) {
+RareRow row_of(const Configuration& configuration, const RareEstimator& estimator, std::size_t row,
+               const Moments& weight) {
   RareRow of{"", kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
   const auto [least, most] = estimator.log_limits(row);
   if (std::isfinite(most)) of.log_bound = most;
@@ -44,7 +45,7 @@ RareRow row_of(const RareEstimator& estimator, std::size_t row, const Moments& w
     return std::max(least, std::min(x, most));
   };
   of.log_probability = limited(estimate);
-  of.log_per_hour = log_hazard(of.log_probability) - std::log(counted_hours);
+  of.log_per_hour = log_per_hour(configuration, of.log_probability);
   if (weight.count < 2) return of;
   of.relative_error = std::sqrt(weight.squared_deviations / (n - 1.0) / n) / weight.mean;
   const double reach = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) *
@@ -61,14 +62,19 @@ nlohmann::json number_of_log(double x) {
 
 }  // namespace
 
-std::vector<RareRow> rare_rows(const Configuration& configuration, const RareEstimator& estimator,
-                               const std::vector<Moments>& weights) {
+double log_per_hour(const Configuration& configuration, double log_probability) {
   const RunOptions& run = configuration.run;
   const double hours =
       static_cast<double>(run.steps - run.burn_in) * configuration.model.sample_period / kSecondsPerHour;
+  return log_hazard(log_probability) - std::log(hours);
+}
+
+std::vector<RareRow> rare_rows(const Configuration& configuration, const RareEstimator& estimator,
+                               const std::vector<Moments>& weights) {
+  const RunOptions& run = configuration.run;
   std::vector<RareRow> rows;
   for (std::size_t row = 0; row < weights.size(); ++row) {
-    rows.push_back(row_of(estimator, row, weights[row], hours));
+    rows.push_back(row_of(configuration, estimator, row, weights[row]));
     rows.back().vehicle = row < run.followers ? std::to_string(row + 1) : "any";
   }
   return rows;

@@ -27,6 +27,9 @@ struct RareRow {
   double log_per_hour;          ///< -ln(1 - P) per hour of the counted steps
 };
 
+/// ln of the events per hour, -ln(1 - P) over the hours that count, from ln P.
+double log_per_hour(const Configuration& configuration, double log_probability);
+
 /// The rows of the followers 1, 2, ... and of any of them.
 ///
 /// The interval is that of a normal logarithm, by Student's t: P exp(-/+ t s), s the relative standard error, at least

@@ -127,16 +127,15 @@ void check_figures(const ResultTables& files, const Configuration& configuration
   if (growth) problems.push_back("measurement and verdict disagree: " + *growth);
 }
 
-std::string passed(const nlohmann::json& summary) {
+std::string passed(const nlohmann::json& summary, const RunOptions& run) {
   const std::optional<Agreement> found = recorded_agreement(summary.at("agreement"));
   const nlohmann::json& stable = summary.at("theory").at("string_stable");
   const char* const verdict = stable.is_null()     ? "no verdict"
                               : stable.get<bool>() ? "string stable"
                                                    : "not string stable";
   // Theory ends before the first external vehicle.
-  const nlohmann::json external = summary.at("configuration").at("run").value("external", nlohmann::json::array());
   const std::string compared =
-      external.empty() ? "" : formatted(" up to follower %llu", external.front().get<unsigned long long>() - 1);
+      run.external.empty() ? "" : formatted(" up to follower %zu", run.followers_before_external());
   return formatted("%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations, seed %llu", verdict,
                    found ? formatted("in agreement%s (largest |z| %.2f, at most %.2f)", compared.c_str(),
                                      std::max(found->max_abs_z_mean, found->max_abs_z_variance), found->plausible_z)
@@ -163,7 +162,7 @@ ResultCheck check_results(const std::string& folder) {
     check_figures(files, configuration, check.problems);
   else if (check.problems.empty())
     check.problems.push_back("statistics.csv: no checksum in summary.json");
-  if (check.problems.empty()) check.passed = passed(summary);
+  if (check.problems.empty()) check.passed = passed(summary, configuration.run);
   return check;
 }
 

@@ -152,7 +152,8 @@ std::optional<RareRequirement> rare_requirement(const std::map<std::string, std:
 }
 
 double required_value(const RareRequirement& requirement, double start,
-                      const std::function<RareRun(double value)>& estimation, const ShardSettings& settings) {
+                      const std::function<RareRun(double value)>& estimation, const ShardSettings& settings,
+                      const std::function<void(double value, double figure)>& tried) {
   std::string problem;
   // ln of the figure over ln of the required one; above 0 where the event is no rare one.
   const auto excess = [&](double value) {
@@ -166,9 +167,19 @@ double required_value(const RareRequirement& requirement, double start,
     run->configuration.run.output.clear();
     const RareResult result = compute_rare(*run, settings);
     if (settings.stop()) throw Interrupted();
-    const RareRow& any = result.rows.back();
-    const double figure = requirement.per_hour ? any.log_per_hour : any.log_probability;
-    return std::isnan(figure) ? 1e3 : figure - std::log(requirement.probability);
+    // The probability of any follower is at least that of each; all estimates have errors of their own.
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t row = 0; row < result.rows.size(); ++row) {
+      const RareRow& of = result.rows[row];
+      const std::string reason = run->estimator->problem(row);
+      double upper = std::isnan(of.log_upper) ? of.log_probability : of.log_upper;
+      if (!reason.empty()) upper = run->estimator->log_reached(row);
+      if (requirement.per_hour) upper = log_per_hour(run->configuration, upper);
+      if (!reason.empty() && upper > std::log(requirement.probability)) problem = "; there: " + reason;
+      most = std::isnan(upper) ? 1e3 : std::max(most, upper);
+    }
+    tried(value, std::exp(most));
+    return most - std::log(requirement.probability);
   };
   constexpr double kFactor = 1.5, kMost = 100.0;
   double low = start, high = start;
@@ -177,16 +188,25 @@ double required_value(const RareRequirement& requirement, double start,
   } else {
     while (low > start / kMost && excess(low /= kFactor) <= 0.0) high = low;
   }
-  if (high >= kMost * start || low <= start / kMost)
-    throw ConfigurationError(
-        {formatted("required: %g: not reached by %s from %g to %g: must be another value", requirement.probability,
-                   requirement.over.c_str(), std::min(start, low), std::max(start, high)) +
-         problem});
+  if (low <= start / kMost)
+    throw ConfigurationError({formatted("required: %g: satisfied by every %s from %g to %g: must be smaller",
+                                        requirement.probability, requirement.over.c_str(), low, start)});
+  if (high >= kMost * start)
+    throw ConfigurationError({formatted("required: %g: not reached by %s from %g to %g: must be another value",
+                                        requirement.probability, requirement.over.c_str(), start, high) +
+                              problem});
   while (high - low > 1e-3 * high) {
     const double middle = 0.5 * (low + high);
     (excess(middle) > 0.0 ? low : high) = middle;
   }
   return high;
+}
+
+void require_an_estimate(const RareRun& run) {
+  for (std::size_t row = 0; row <= run.configuration.run.followers; ++row) {
+    if (run.estimator->problem(row).empty()) return;
+  }
+  throw ConfigurationError({run.estimator->problem(0)});
 }
 
 RareReplay rare_replay(const RareRun& run, const std::string& vehicle, const std::string& only) {

@@ -28,8 +28,8 @@ struct RareRun {
 RareOptions rare_options(const std::map<std::string, std::string>& given);
 
 /// The estimation by the given method, or by that of the model if it is empty or "auto": conditioned realizations for
-/// normal errors, splitting for all others. Throws ConfigurationError if the method does not apply, for an event that
-/// cannot happen or is no rare one, and for external vehicles.
+/// normal errors, splitting for all others; see require_an_estimate(). Throws ConfigurationError if the method does not
+/// apply, for an event that cannot happen or is no rare one, and for external vehicles.
 RareRun rare_run(const Configuration& configuration, RareOptions options);
 /// The estimation to which a shard belongs.
 RareRun rare_run(const ShardRun& shard);
@@ -60,11 +60,16 @@ struct RareRequirement {
 /// Reads the options `required`, `per` and `over`; none without `required`. Throws ConfigurationError.
 std::optional<RareRequirement> rare_requirement(const std::map<std::string, std::string>& given);
 
-/// The smallest value of the key that satisfies the requirement, to 1e-3 of itself, by estimations with the same draws.
-/// `estimation`: that of the model with a value of the key. `start`: where the search begins. Throws ConfigurationError
-/// if it finds none within a factor of 100 of the start.
+/// The smallest value of the key that satisfies the requirement, to 1e-3 of itself, by estimations with the same draws:
+/// the upper 95 % limits of all rows do. Where the levels of a row die out, the last level reached does.
+/// `estimation`: that of the model with a value of the key. `start`: where the search begins. `tried`: called with each
+/// value and its figure. Throws ConfigurationError if it finds none within a factor of 100 of the start.
 double required_value(const RareRequirement& requirement, double start,
-                      const std::function<RareRun(double value)>& estimation, const ShardSettings& settings);
+                      const std::function<RareRun(double value)>& estimation, const ShardSettings& settings,
+                      const std::function<void(double value, double figure)>& tried);
+
+/// Throws ConfigurationError if no row has an estimate.
+void require_an_estimate(const RareRun& run);
 
 /// A sample in which the event happens, to be simulated as this realization of these draws.
 struct RareReplay {

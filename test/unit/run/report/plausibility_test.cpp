@@ -50,6 +50,17 @@ TEST_F(PlausibilityTest, ARecordedDriveIsJudgedByItsPositions) {
   EXPECT_TRUE(contains(found[0], "leader: speed of 70 m/s"));
 }
 
+TEST_F(PlausibilityTest, ARunThatEndsBeforeTheDriveHasOneUnlessItsStepsAreGiven) {
+  configuration_.model.recorded_leader.assign(301, 0.0);
+  configuration_.run.steps = 100;
+  EXPECT_TRUE(warnings().empty());
+  configuration_.run.steps_chosen = true;
+  expect_warning({formatted("leader: the run ends at %.6g s of a drive of %.6g s: steps 300 run all of it",
+                            100.0 * configuration_.model.sample_period, 300.0 * configuration_.model.sample_period)});
+  configuration_.run.steps = 300;
+  EXPECT_TRUE(warnings().empty());
+}
+
 TEST_F(PlausibilityTest, AHeadwayInTheWrongUnitHasOne) {
   car().headway = 320.0 / 0.01;
   EXPECT_TRUE(
