@@ -56,9 +56,10 @@ platoon_setup() {
   fi
   if [ ! -f "$build/Makefile" ] || [ ! -f "$build/CMakeCache.txt" ] || [ ! -f "$devel/setup.bash" ] ||
     { [ "$testing" = ON ] && ! grep -q '^CATKIN_ENABLE_TESTING:BOOL=ON' "$build/CMakeCache.txt"; }; then
-    # Several sources at once take half the time of the first build (cmake -DCMAKE_UNITY_BUILD=OFF build: one by one).
+    # Several sources at once take half the time of the first build (cmake -DCMAKE_UNITY_BUILD=OFF build: one by one). The fewer cores
+    # there are, the more sources: 24 of them take 2 GB of memory.
     local unity=()
-    [ -f "$build/CMakeCache.txt" ] || unity=(-DCMAKE_UNITY_BUILD=ON)
+    [ -f "$build/CMakeCache.txt" ] || unity=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=$(($(nproc) > 4 ? 8 : 24)))
     cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_DEVEL_PREFIX="$devel" \
       -DCATKIN_ENABLE_TESTING="$testing" "${unity[@]}"
   fi

@@ -68,9 +68,9 @@ Eigen::MatrixXd LossChain::moments(const Eigen::MatrixXd& after_arrival, const E
 }
 
 Eigen::MatrixXd LossChain::differences() const {
-  constexpr Eigen::Index kHighestOrder = 3;  // beyond, the inverse has large entries
+  constexpr Eigen::Index kHighestDifference = 3;  // beyond, the inverse has large entries
   Eigen::MatrixXd result = Eigen::MatrixXd::Identity(registers(), registers());
-  for (Eigen::Index order = 1; order <= kHighestOrder; ++order) {
+  for (Eigen::Index order = 1; order <= kHighestDifference; ++order) {
     for (Eigen::Index i = registers() - 1; i >= order; --i) result.row(i) = (result.row(i - 1) - result.row(i)).eval();
   }
   return result;
