@@ -181,12 +181,13 @@ class ExportedRun(BagTest):
         for realization in range(5):
             of = sp.trajectories(sp.Recording(self.bag).model, realization, **settings)
             own = [row for row in rows if row["realization"] == str(realization)]
-            for name in ("position", "received_position", "gap", "tracking_error", "speed", "acceleration", "jerk"):
+            for name, order in (("position", 0), ("received_position", 0), ("gap", 0), ("tracking_error", 0), ("speed", 1), ("acceleration", 2),
+                                ("jerk", 3)):
                 found = np.array([float(row[name] or "nan") for row in own]).reshape(4, 21)
                 followers = slice(0 if name == "position" else 1, None)  # only the export has the leader's speed
                 exact = name in ("position", "received_position")
                 known = slice(0, 20) if name == "received_position" else slice(0, 21)  # what arrives at the end moves nobody
-                rounding = 0.0 if exact else 1e-9 if period == 0.1 else 1e-11 / period ** 3
+                rounding = 0.0 if exact else 1e-12 / period ** order
                 np.testing.assert_allclose(found[followers, known], of[name][followers, known], rtol=0.0, atol=rounding, err_msg=name)
         return np.array([float(row["acceleration"]) for row in rows if row["step"] == "0"])
 

@@ -7,9 +7,10 @@
 
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/response/attenuation.hpp"
-#include "stochastic_platoon/math/response/designed_gain.hpp"
 
 namespace platoon {
+
+struct ExactTransfer;
 
 /// Losses of one link by a Markov chain (LossChain), as a filter on the unit circle. The chain is independent of the
 /// sent values s.

@@ -175,7 +175,7 @@ double required_value(const RareRequirement& requirement, double start,
       double upper = std::isnan(of.log_upper) ? of.log_probability : of.log_upper;
       if (!reason.empty()) upper = run->estimator->log_reached(row);
       if (requirement.per_hour) upper = log_per_hour(run->configuration, upper);
-      if (!reason.empty() && upper > std::log(requirement.probability)) problem = "; there: " + reason;
+      if (!reason.empty() && !(upper <= std::log(requirement.probability))) problem = "; there: " + reason;
       most = std::isnan(upper) ? 1e3 : std::max(most, upper);
     }
     tried(value, std::exp(most));
