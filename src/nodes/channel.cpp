@@ -12,7 +12,8 @@
 
 namespace {
 
-void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
+void run_channel(ros::NodeHandle platoon, const platoon::Configuration& configuration,
+                 platoon::Superseded& superseded) {
   std::unique_ptr<platoon::Recorder> recorder;
   if (!configuration.run.record.empty())
     recorder = std::make_unique<platoon::Recorder>(platoon, configuration, superseded.join());
@@ -32,10 +33,10 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, p
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int channel_main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"channel",
        "The links into all followers; records, if the run is recorded. platoon.launch starts it.\nExample: rosrun stochastic_platoon channel __ns:=platoon"},
-      run);
+      run_channel);
 }

@@ -29,7 +29,7 @@ std::optional<platoon::Configuration> present_run(const ros::NodeHandle& platoon
   return std::nullopt;
 }
 
-void run(ros::NodeHandle platoon) {
+void run_follower(ros::NodeHandle platoon) {
   const std::uint32_t index = read_index();
   platoon::Diagnostics diagnostics(platoon);
   platoon::ReceivingThread receiving_thread;
@@ -44,12 +44,12 @@ void run(ros::NodeHandle platoon) {
 }  // namespace
 
 // No rosout: one publisher per vehicle would cost more than the platoon.
-int main(int argc, char** argv) {
+int follower_main(int argc, char** argv) {
   return platoon::run_node(
       argc, argv,
       {"follower",
        "One follower; platoon.launch and followers.launch start it. Parameters: _index:=I, 1 or more; _kept, whether it is to\n"
        "outlive launches (true).\nExample: rosrun stochastic_platoon follower __ns:=platoon __name:=vehicle_3 _index:=3",
        ros::init_options::NoRosout},
-      run);
+      run_follower);
 }

@@ -4,17 +4,18 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
+void run_markers(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+                 platoon::Superseded& superseded) {
   const platoon::Markers markers(platoon, configuration, superseded.join());
   superseded.spin();
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int markers_main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"markers",
        "Draws the platoon in RViz: platoon.launch rviz:=true starts it.\nExample: rosrun stochastic_platoon markers __ns:=platoon"},
-      run);
+      run_markers);
 }

@@ -4,7 +4,8 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
+void run_monitor(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+                 platoon::Superseded& superseded) {
   const auto all_on_one = [&platoon](std::size_t) { return platoon; };
   platoon::Monitor monitor(platoon, configuration, all_on_one, superseded.join());
   platoon::Diagnostics diagnostics(platoon);
@@ -15,10 +16,10 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int monitor_main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"monitor",
        "Computes and writes the statistics of a run, and names the node that blocks it. platoon.launch starts it.\nExample: rosrun stochastic_platoon monitor __ns:=platoon"},
-      run);
+      run_monitor);
 }

@@ -7,7 +7,8 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
+void run_platoon(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+                 platoon::Superseded& superseded) {
   platoon::keep_freed_memory(configuration.run, configuration.run.followers + 1);
   platoon::OneProcess process(platoon, configuration, std::thread::hardware_concurrency(), superseded.join());
   process.start();
@@ -17,11 +18,11 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int platoon_main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"platoon",
        "The whole platoon in one process. platoon.launch hosting:=one_process starts it.\nExample: rosrun stochastic_platoon platoon __ns:=platoon",
        0, 0},
-      run);
+      run_platoon);
 }

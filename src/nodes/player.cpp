@@ -7,7 +7,8 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
+void run_player(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+                platoon::Superseded& superseded) {
   const ros::NodeHandle private_node("~");
   platoon::PlayerOptions options;
   options.bags.files = platoon::bag_files(private_node.param<std::string>("bags", ""));
@@ -21,10 +22,10 @@ void run(const ros::NodeHandle& platoon, const platoon::Configuration& configura
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int player_main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"player",
        "Plays bags into a monitor; replay.launch starts it. Parameters: _bags:='FILE ...', _unverified, _rate, _start, _pause.\nExample: rosrun stochastic_platoon player __ns:=platoon _bags:=/tmp/run.bag"},
-      run);
+      run_player);
 }

@@ -73,7 +73,8 @@ void print_result_after(long roslaunch, const std::string& output) {
   ::posix_spawnattr_destroy(&own_group);
 }
 
-void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, platoon::Superseded& superseded) {
+void run_until_complete(ros::NodeHandle platoon, const platoon::Configuration& configuration,
+                        platoon::Superseded& superseded) {
   Finished finished(platoon, configuration);
   const ros::Subscriber progress = platoon.subscribe(platoon::kProgressTopic, 100, &Finished::receive, &finished);
   superseded.spin();
@@ -83,11 +84,11 @@ void run(ros::NodeHandle platoon, const platoon::Configuration& configuration, p
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int until_complete_main(int argc, char** argv) {
   return platoon::run_component(
       argc, argv,
       {"until_complete",
        "Ends its launch when the run is complete (_stay:=true: leaves it up), and prints the result when the launch has ended.\n"
        "platoon.launch starts it.\nExample: rosrun stochastic_platoon until_complete __ns:=platoon"},
-      run);
+      run_until_complete);
 }

@@ -14,7 +14,7 @@
 
 namespace {
 
-void run(const ros::NodeHandle& platoon) {
+void run_vehicle_replay(const ros::NodeHandle& platoon) {
   const std::optional<platoon::Configuration> configuration = platoon::wait_for_configuration(platoon);
   if (!configuration) return;
   const ros::NodeHandle private_node("~");
@@ -34,12 +34,12 @@ void run(const ros::NodeHandle& platoon) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int vehicle_replay_main(int argc, char** argv) {
   return platoon::run_node(
       argc, argv,
       {"vehicle_replay",
        "Replays bags to one live follower and compares its answers; replay.launch drive:=vehicle_I starts it.\n"
        "Parameters: _bags:='FILE ...', _vehicle:=I, _external, _patience [s], _unverified.\n"
        "Example: rosrun stochastic_platoon vehicle_replay __ns:=platoon _bags:=/tmp/run.bag _vehicle:=3"},
-      run);
+      run_vehicle_replay);
 }

@@ -54,7 +54,7 @@ std::vector<platoon::MapPoint> map_of(const platoon::PlatoonModel& model, const 
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int analyze_main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
       {"Results of the theory for a platoon\n"

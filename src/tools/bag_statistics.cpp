@@ -54,7 +54,7 @@ bool is_usable(const platoon::BagStatistics& statistics, const platoon::CommandL
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int bag_statistics_main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
       {"bag_statistics BAG...: statistics of a recorded platoon (several bags: a split one)\n"

@@ -55,7 +55,7 @@ std::string lines_after(const std::string& process, const std::string& folder, b
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int check_main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
       {"check RUN...: whether the runs in these folders are complete, undamaged and in agreement with their theory.\n"

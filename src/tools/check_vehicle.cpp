@@ -128,7 +128,7 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int check_vehicle_main(int argc, char** argv) {
   ros::init(argc, argv, "check_vehicle", ros::init_options::AnonymousName | ros::init_options::NoRosout);
   try {
     const Arguments arguments = parsed(argc, argv);

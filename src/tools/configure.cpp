@@ -192,7 +192,7 @@ platoon::Configuration recorded(const platoon::BagSource& bags) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int configure_main(int argc, char** argv) {
   std::set<std::string> all_settings{"model"};
   for (const platoon::Setting& setting : platoon::settings()) all_settings.insert(setting.name);
   const platoon::CommandLine line = platoon::parse_command_line(

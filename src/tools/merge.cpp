@@ -9,7 +9,7 @@
 #include "stochastic_platoon/run/scaling/merge.hpp"
 #include "tools/command_line.hpp"
 
-int main(int argc, char** argv) {
+int merge_main(int argc, char** argv) {
   const platoon::CommandLine given =
       platoon::parse_command_line(argc, argv,
                                   {"merge DIR... --output DIR: the shards of a run, joined to the results of one\n"

@@ -90,7 +90,7 @@ void write_trajectories(const platoon::Configuration& configuration, const std::
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int monte_carlo_main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
       {"Monte Carlo of the platoon in one process\n"

@@ -91,7 +91,7 @@ void merge_into(const std::vector<std::string>& folders, const std::string& outp
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int rare_main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
       {"Probabilities of small gaps, however small; rare DIR... --output DIR joins the shards of one estimation\n"

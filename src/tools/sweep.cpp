@@ -72,7 +72,7 @@ void run_task(const platoon::Sweep& sweep, const std::string& text, const platoo
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int sweep_main(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
       argc, argv,
       {"sweep FILE --output DIR: a table of the runs in the file\n"

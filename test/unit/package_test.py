@@ -145,7 +145,7 @@ class Package(unittest.TestCase):
         """Two files of a library that define the same name in unnamed namespaces cannot be compiled as one file (CMAKE_UNITY_BUILD)."""
         places, meanings = collections.defaultdict(set), collections.defaultdict(set)
         for name in source_files():
-            library = re.match(r"src/stochastic_platoon/(\w+)/.*\.cpp$", name)
+            library = re.match(r"src/(?:stochastic_platoon/)?(\w+)/.*\.cpp$", name)
             for definition in GLOBAL_NAME.finditer(text_of(name)) if library else ():
                 key = library[1], definition["constant"] or definition["alias"] or definition["type"]
                 places[key].add(name)
