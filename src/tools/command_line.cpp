@@ -46,7 +46,7 @@ CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& acc
   description.add_options()("help,h", "print this")("version", "print the version");
   for (const auto& [name, text] : help) {
     const auto value = options::value<std::string>();
-    if (accepted.flags.count(name) > 0) value->implicit_value("true", "");
+    if (accepted.flags.count(name) > 0) value->implicit_value("true", "")->value_name(" ");
     if (accepted.flags.count(name) > 0 && accepted.words) value->zero_tokens();  // the next word is no value of a flag
     description.add_options()(option_name(name).c_str(), value, text.c_str());
   }

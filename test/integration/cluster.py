@@ -70,9 +70,10 @@ class Cluster:
         with open(self.file, "w") as file:
             file.write(text)
         version = subprocess.run(["slurmd", "-V"], stdout=subprocess.PIPE, text=True, check=True, env=self.environment).stdout.split()[1]
-        if int(version.split(".")[0]) >= 23:  # it needs control groups even without a plugin that uses them
+        year = int(version.split(".")[0])
+        if year >= 22:  # it looks for control groups even without a plugin that uses them
             with open(os.path.join(self.folder, "cgroup.conf"), "w") as file:
-                file.write("CgroupPlugin=disabled\n")
+                file.write("CgroupPlugin={}\n".format("cgroup/v1" if year == 22 else "disabled"))
 
     def daemon(self, name, *command, **environment):
         log = open(os.path.join(self.folder, name + ".out"), "w")

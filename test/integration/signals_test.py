@@ -45,7 +45,7 @@ class Signals(LaunchTest):
 
     def measure(self, name, **options):
         """The output of monte_carlo."""
-        found = tool("monte_carlo", model=self.model, signals=SIGNALS, output=self.path(name), **dict(SETTINGS, **options))
+        found = tool("monte_carlo", signals=SIGNALS, output=self.path(name), **dict(SETTINGS, **{"model": self.model, **options}))
         self.assertEqual(found.returncode, 0, found.stderr)
         return found.stdout
 
@@ -67,6 +67,21 @@ class Signals(LaunchTest):
             found = tool("bag_statistics", bag, signals=SIGNALS, output=self.path("of_" + hosting))
             self.assertEqual(found.returncode, 0, found.stderr)
             self.assertEqual(tables_of(self.path("of_" + hosting)), expected)
+
+    def test_the_report_has_the_collisions_of_the_table_beside_their_theory(self):
+        for distance in (0.5, 20.0):
+            with open(self.model) as file:
+                model = json.load(file)
+            report = self.measure("at_%g" % distance, model=self.write("near.json", json.dumps(dict(model, standstill_distance=distance))))
+            worst = max(rows_of(self.path("at_%g" % distance), "gaps.csv"),
+                        key=lambda row: (int(row["collisions"]), float(row["theoretical_collision_bound"])))
+            count = int(worst["collisions"])
+            self.assertEqual(count > 0, distance < 1.0)
+            share = float(worst["theoretical_collision_bound"])
+            self.assertLessEqual(count / REALIZATIONS, share + 5 * math.sqrt(share / REALIZATIONS))
+            self.assertIn("Collisions (a gap below 0): in {}; by theory at most a share of {:.6g} (follower {})\n".format(
+                "{} of {} realizations of follower {}, the most".format(count, REALIZATIONS, worst["vehicle"]) if count
+                else "none of {} realizations".format(REALIZATIONS), share, worst["vehicle"]), report)
 
     def test_a_kill_9_of_follower_and_monitor_changes_no_bit(self):
         slow = dict(SETTINGS, realizations=800)

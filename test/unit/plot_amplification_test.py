@@ -44,8 +44,13 @@ class Amplification(AmplificationTest):
         self.assert_draws("amplification", run, other, "--titles", "$h = 3.2$", "$h = 2.4$")
         self.assert_draws("amplification", self.make_amplification("c", followers=1), self.make_amplification("d", followers=300))
 
-    def test_a_run_without_theory_is_drawn(self):
+    def test_a_run_without_theory_is_drawn_and_its_legend_names_none(self):
         self.assert_draws("amplification", self.make_amplification(theory=False))
+        for theory in (False, True):
+            run = sp.Results.load(self.make_amplification(str(theory), theory=theory))
+            for axes in plot.amplification.draw([run], []).axes[1:]:
+                labels = [text.get_text() for text in axes.get_legend().get_texts()]
+                self.assertEqual([any(end in label for label in labels) for end in (", measured", ", theory")], [True, theory])
 
     def test_the_acceleration_has_a_panel_if_it_was_measured(self):
         run = sp.Results.load(self.make_amplification())

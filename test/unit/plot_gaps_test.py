@@ -121,6 +121,13 @@ class Gaps(GapTest):
             self.assertIn(name, labels)
         self.assert_rejects("gaps", *paths, "--analysis", self.make_collisions(), saying=["--analysis: must be one for each of the 2 runs, not 1"])
 
+    def test_panels_below_each_other_share_a_legend(self):
+        runs = [sp.Results.load(self.make_gaps(name)) for name in ("one", "two")]
+        self.addCleanup(plot.style.apply)
+        for width, legends in ((None, [True, True, True]), (88.0, [False, True, True])):
+            plot.style.apply(width)
+            self.assertEqual([axes.get_legend() is not None for axes in plot.gaps.draw(runs, [], []).axes], legends)
+
     def test_the_distances_of_r157_and_rss_stand_beside_at_the_top_speed_of_the_leader(self):
         of = sp.Results.load(self.make_gaps(standstill=40.0, model={"sample_period": 0.1, "leader": {"speed": [
             {"from_step": 0, "value": 5.0}, {"from_step": 2, "value": 16.0}, {"from_step": 4000, "value": 40.0}]}}))

@@ -72,7 +72,11 @@ class Figures(PlotTest):
 
     def test_a_run_without_theory_is_drawn(self):
         rows = ["{},{},100,0.01,{},,".format(i, k, 1.0 + i) for i in (1, 2, 3) for k in range(3)]
-        self.assert_draws("errors", self.make_run("bursts", rows=rows))
+        run = self.make_run("bursts", rows=rows)
+        self.assert_draws("errors", run)
+        for path, labels in ((run, ["measured"]), (self.make_run(), ["measured", "theory"])):
+            legend = plot.tracking_errors.draw([sp.Results.load(path)], []).axes[1].get_legend()
+            self.assertEqual([text.get_text() for text in legend.get_texts()], labels)
 
     def test_map_is_drawn(self):
         self.assert_draws("map", self.make_map())

@@ -33,7 +33,7 @@ def drawable_amplification(run: sp.Results) -> sp.Amplification:
 def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
     names, tables = style.names_of(titles, runs), [drawable_amplification(run) for run in runs]
     accelerated = any(np.isfinite(table.measured["rms_acceleration"]).any() for table in tables)
-    figure, axes = style.new_figure(1, 2 + accelerated, 4.6 * (2 + accelerated), 4.9)
+    figure, axes = style.new_figure(1, 2 + accelerated, 4.6 * (2 + accelerated), 4.3)
     ratio, tail = axes[0, :2]
     draw_ratios(ratio, tables, "ratio")
     draw_ratios(tail, tables, "head_to_tail")
@@ -47,13 +47,13 @@ def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
     for axis in axes[0]:
         style.follower_axis(axis, max(run.followers for run in runs))
     style.legend_below(ratio, handles=[entry_of_run(at, run, name) for at, (run, name) in enumerate(zip(runs, names))])
-    style.legend_below(tail, handles=entries_of(NORMS))
+    style.legend_below(tail, handles=entries_of(NORMS, tables), ncol=2)
     if accelerated:
         acceleration = axes[0, 2]
         acceleration.set_xlim(-0.7, acceleration.get_xlim()[1])
         acceleration.set_xticks([0] + [tick for tick in acceleration.get_xticks() if tick > 1])
         acceleration.set_xlabel("vehicle $i$, 0 the leader")
-        style.legend_below(acceleration, handles=entries_of(ACCELERATIONS))
+        style.legend_below(acceleration, handles=entries_of(ACCELERATIONS, tables))
     return figure
 
 
@@ -63,10 +63,14 @@ def entry_of_run(at: int, run: sp.Results, name: str) -> Line2D:
         *run.amplification.seconds))
 
 
-def entries_of(kinds: Sequence[Kind]) -> List[Line2D]:
-    return [entry for _, marker, line, label in kinds for entry in (
-        style.legend_entry(color=style.INK, linewidth=1.3, linestyle=line, label=label + ", theory"),
-        style.legend_entry(color=style.INK, linestyle="", marker=marker, markerfacecolor="white", markersize=5, label=label + ", measured"))]
+def entries_of(kinds: Sequence[Kind], tables: Sequence[sp.Amplification]) -> List[Line2D]:
+    entries = []
+    for name, marker, line, label in kinds:
+        if any(np.isfinite(values).any() for table in tables for key, values in table.theory.items() if key.startswith(name)):
+            entries.append(style.legend_entry(color=style.INK, linewidth=1.3, linestyle=line, label=label + ", theory"))
+        entries.append(style.legend_entry(
+            color=style.INK, linestyle="", marker=marker, markerfacecolor="white", markersize=5, label=label + ", measured"))
+    return entries
 
 
 def draw_pair(axes: Axes, at: int, first: int, measured: Array, theory: Array, marker: str, line: style.Line) -> None:

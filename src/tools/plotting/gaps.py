@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import stochastic_platoon as sp
@@ -68,10 +68,16 @@ def draw(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis], titles: Se
     limit_probabilities(chances, min(DEEPEST / realizations_of(run.gaps) for run in runs))
     chances.set_title(style.column_title(columns - 1, columns, "probability of a collision\nmeasured with $\\pm${} standard errors".format(
         style.SHOWN_ERRORS)))
-    for axis in axes[0]:
+    for axis, following in zip(axes[0], [*axes[0, 1:], None]):
         style.follower_axis(axis, max(run.followers for run in runs))
-        style.legend_below(axis)
+        # Panels below each other with the same entries share the legend below the last of them.
+        if not style.is_narrow() or following is None or labels_of(axis) != labels_of(following):
+            style.legend_below(axis)
     return figure
+
+
+def labels_of(axes: Axes) -> List[str]:
+    return list(axes.get_legend_handles_labels()[1])
 
 
 class Looks(NamedTuple):

@@ -214,7 +214,8 @@ def legend_entry(**line: Any) -> Line2D:
 
 def legend_below(axes: Axes, **options: Any) -> None:
     """A legend below the axes, where it hides no data."""
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncol=1 if is_narrow() else 2, frameon=False, columnspacing=1.6, **options)
+    options.setdefault("ncol", 1 if is_narrow() else 2)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, frameon=False, columnspacing=1.6, **options)
 
 
 def mark_collisions(axes: Axes) -> None:

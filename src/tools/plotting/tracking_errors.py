@@ -36,9 +36,10 @@ def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
         else:
             draw_over_steps(axes[:, column], run, colours)
     if not runs[0].time_average:
-        axes[1, 0].legend(handles=[
-            style.legend_entry(color=style.GREY, linewidth=3.0, alpha=0.75, label="measured"),
-            style.legend_entry(color=style.INK, linewidth=0.7, label="theory")])
+        entries = [style.legend_entry(color=style.GREY, linewidth=3.0, alpha=0.75, label="measured"),
+                   style.legend_entry(color=style.INK, linewidth=0.7, label="theory")]
+        has_theory = any(np.isfinite(run.theoretical_variance).any() for run in runs)
+        axes[1, 0].legend(handles=entries if has_theory else entries[:1])
         if followers > 1:
             style.add_colour_bar(figure, axes, colours, followers)
     return figure

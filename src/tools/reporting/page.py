@@ -105,7 +105,8 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
                  else badge("complete and undamaged, not compared with a theory", "open") if not problems else badge("check failed", "bad"))
     collisions = collisions_of(run)
     if collisions is not None:
-        parts.append(badge("collisions: in {} of {} realizations of the follower with the most".format(*collisions), "bad" if collisions[0] else "good"))
+        parts.append(badge("collisions: in {} of {} realizations of the follower with the most".format(*collisions), "bad") if collisions[0]
+                     else badge("collisions: in none of {} realizations".format(collisions[1]), "good"))
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
     if run.max_abs_z is not None:
         text += "\n<p>Measurement and theory: {}. Over all followers and steps the largest |z| is {} of the mean and {} of " \

@@ -74,21 +74,21 @@ std::vector<StationarySignal> hearing_signals(const PlatoonModel& model, const s
     for (std::size_t i = first; i < first + count; ++i) signals.push_back(signals_of(model, names, i).requested);
     return signals;
   };
-  const std::vector<std::vector<Signal>> signals = signals_from(1, followers);
-  const std::vector<double> values = settled_hearing(model, [&](const HearingSpectra& spectra) {
-    Window window = spectra.nothing();
-    std::vector<double> moments;
-    for (std::size_t i = 1; i <= followers; ++i) {
-      const Pair pair = spectra.advance(i, spectra.added(i, window), window);
-      const std::vector<double> own = moments_of(signals[i - 1], model, i, spectra, pair);
-      moments.insert(moments.end(), own.begin(), own.end());
-    }
-    return moments;
-  });
-  for (std::size_t s = 0; s < names.size(); ++s)
-    result[s].followers = stationary_moments(model, signals, s, 1, errors, values);
-  if (!string_stable) return result;
   try {
+    const std::vector<std::vector<Signal>> signals = signals_from(1, followers);
+    const std::vector<double> values = settled_hearing(model, [&](const HearingSpectra& spectra) {
+      Window window = spectra.nothing();
+      std::vector<double> moments;
+      for (std::size_t i = 1; i <= followers; ++i) {
+        const Pair pair = spectra.advance(i, spectra.added(i, window), window);
+        const std::vector<double> own = moments_of(signals[i - 1], model, i, spectra, pair);
+        moments.insert(moments.end(), own.begin(), own.end());
+      }
+      return moments;
+    });
+    for (std::size_t s = 0; s < names.size(); ++s)
+      result[s].followers = stationary_moments(model, signals, s, 1, errors, values);
+    if (!string_stable) return result;
     const std::size_t period = type_order(model).size();
     const std::size_t far = (kFarFollowers / period + 1) * period;
     const std::vector<std::vector<Signal>> at_places = signals_from(far + 1, period);
@@ -104,7 +104,7 @@ std::vector<StationarySignal> hearing_signals(const PlatoonModel& model, const s
     for (std::size_t s = 0; s < names.size(); ++s)
       result[s].limit = stationary_moments(model, at_places, s, far + 1, settled, limits);
   } catch (const NarrowSpectra&) {
-    // No limit is known.
+    // What is left is not known.
   }
   return result;
 }

@@ -100,8 +100,8 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
     std::vector<std::string> others = names;
     others.erase(others.begin() + (input - names.begin()));
     std::vector<StationarySignal> result = stationary_signals(model, others, followers, string_stable);
-    const std::vector<double> none(followers, kNaN);
-    result.insert(result.begin() + (input - names.begin()), StationarySignal{{none, none, none}, std::nullopt});
+    result.insert(result.begin() + (input - names.begin()),
+                  hearing_signals(model, {kInput}, followers, string_stable).front());
     return result;
   }
   const LinkedPattern pattern(model);

@@ -34,6 +34,7 @@ struct StationarySignal {
 /// \f[ \langle |1 - \hat T|^2 \Phi_{i-1} + N_i \rangle, \qquad \langle (2 t / T_s^2)^n \Phi_i \rangle, \f]
 /// with the T^ of follower i, and `change` with a further factor 2 t. At v metres per step the gap has the mean
 /// delta_i + h_i v + (mean of the tracking error) - (length of vehicle i-1).
+/// The control input, which these spectra do not carry, has the moments of hearing_signals().
 ///
 /// The limits exist if the string is string stable and if 1 - |prod T^|^2 over one pattern, divided by the spectra of
 /// the noises, has at most as many zeros t as the numerator has: 1 for gap and speed, 2 for the acceleration, 3 for the

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/amplification.hpp"
@@ -206,14 +207,22 @@ std::string gap_lines(const Configuration& configuration, const Prediction& pred
                                static_cast<unsigned long long>(of.smallest.realization),
                                time_of_step(of.smallest.step, configuration.model).c_str());
   const std::vector<FollowerGaps>& all = result.gaps.followers();
-  const auto worst = std::max_element(
-      all.begin(), all.end(), [](const FollowerGaps& a, const FollowerGaps& b) { return a.collisions < b.collisions; });
-  const auto follower = static_cast<std::size_t>(worst - all.begin()) + 1;
-  text += formatted("Collisions (a gap below 0): in %llu of %llu realizations of follower %zu, the most",
-                    static_cast<unsigned long long>(worst->collisions),
-                    static_cast<unsigned long long>(result.realizations), follower);
-  if (const std::optional<double> bound = collision_bound(prediction, follower))
-    text += formatted("; by theory at most %.6g of them", *bound);
+  // The most collisions, of equal ones the greatest bound.
+  std::size_t worst = 1;
+  const auto rank = [&](std::size_t i) {
+    return std::pair(all[i - 1].collisions, collision_bound(prediction, i).value_or(0.0));
+  };
+  for (std::size_t i = 2; i <= all.size(); ++i) {
+    if (rank(i) > rank(worst)) worst = i;
+  }
+  const auto collisions = static_cast<unsigned long long>(all[worst - 1].collisions);
+  const auto realizations = static_cast<unsigned long long>(result.realizations);
+  text += collisions == 0
+              ? formatted("Collisions (a gap below 0): in none of %llu realizations", realizations)
+              : formatted("Collisions (a gap below 0): in %llu of %llu realizations of follower %zu, the most",
+                          collisions, realizations, worst);
+  if (const std::optional<double> bound = collision_bound(prediction, worst))
+    text += formatted("; by theory at most a share of %.6g (follower %zu)", *bound, worst);
   text += "\n";
   if (configuration.run.external.empty() && result.complete && !configuration.run.output.empty()) {
     text += formatted(

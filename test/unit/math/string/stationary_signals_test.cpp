@@ -56,6 +56,22 @@ TEST(StationarySignals, EqualTheMomentsAfterManySteps) {
   }
 }
 
+TEST(StationarySignals, HaveTheControlInput) {
+  constexpr std::size_t kFollowers = 200, kSteps = 9000;
+  const PlatoonModel model = radio_platoon(0.7, 0.01, 0.02);
+  const std::vector<std::string> names{"speed", "input", "gap"};
+  const std::vector<StationarySignal> found = stationary_signals(model, names, kFollowers, true);
+  const std::vector<SignalMoments> tables = signal_moments(model, names, 3, kSteps);
+  for (std::size_t s = 0; s < names.size(); ++s) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t last = (i + 1) * kSteps - 1;
+      EXPECT_NEAR(found[s].followers.variance[i] / tables[s].variance[last], 1.0, 1e-9) << names[s] << i;
+      EXPECT_NEAR(found[s].followers.mean[i], tables[s].mean[last], 1e-6) << names[s] << i;
+    }
+  }
+  EXPECT_NEAR(found[1].followers.variance.back() / found[1].limit_variance().value(), 1.0, 1e-3);
+}
+
 // The distance to the limit after N vehicles decays like N^(-1/2), as 1 - |T|^2 and |1 - T|^2 begin with w^2.
 TEST(StationarySignals, HaveAGapThatSettlesLate) {
   constexpr std::size_t kNear = 999, kFar = 3999;
