@@ -1,5 +1,6 @@
 """A private Slurm cluster for a test: munged, slurmctld and two slurmd on the loopback interface, without systemd."""
 
+import contextlib
 import os
 import shutil
 import signal
@@ -111,15 +112,25 @@ class Cluster:
 
     def power_off(self, node):
         """Kills the node's daemon and all its tasks without notice."""
-        self.daemons[node].send_signal(signal.SIGKILL)
-        self.daemons[node].wait()
-        victims = set(processes_with("PLATOON_NODE=" + self.folder + "/" + node))
-        victims |= set(processes_with("SLURMD_NODENAME=" + node)) & set(processes_with("SLURM_CONF=" + self.file))
+        # All stop before the first is killed: slurmstepd would report the death of its task, and the job would not be requeued.
+        victims, found = set(), self.processes_of(node)
+        while found - victims:
+            for process in found - victims:
+                self.send(process, signal.SIGSTOP)
+            victims |= found
+            found = self.processes_of(node)
         for process in victims:
-            try:
-                os.kill(process, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            self.send(process, signal.SIGKILL)
+        self.daemons[node].wait()
+
+    def processes_of(self, node):
+        return set(processes_with("PLATOON_NODE=" + self.folder + "/" + node)) | (
+            set(processes_with("SLURMD_NODENAME=" + node)) & set(processes_with("SLURM_CONF=" + self.file)))
+
+    @staticmethod
+    def send(process, number):
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(process, number)
 
     def end(self):
         if "slurmctld" in self.daemons and self.daemons["slurmctld"].poll() is None:
@@ -134,10 +145,7 @@ class Cluster:
                     daemon.kill()
                     daemon.wait()
         for process in set(processes_with(self.mark)) | set(processes_with("SLURM_CONF=" + self.file)):
-            try:
-                os.kill(process, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            self.send(process, signal.SIGKILL)
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def logs(self):
