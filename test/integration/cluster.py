@@ -53,6 +53,16 @@ def why_not():
     return "" if os.geteuid() == 0 else "slurmd runs as root only"
 
 
+def stepd_above(process):
+    """The slurmstepd that has started a process; 0 if another program has, or the process has ended."""
+    with contextlib.suppress(OSError):
+        with open("/proc/{}/stat".format(process)) as file:
+            parent = file.read().rpartition(") ")[2].split()[1]
+        with open("/proc/{}/cmdline".format(parent)) as file:
+            return int(parent) if file.read().startswith("slurmstepd") else 0
+    return 0
+
+
 class Cluster:
     def __init__(self):
         self.folder = tempfile.mkdtemp(prefix="platoon_slurm_")
@@ -124,8 +134,9 @@ class Cluster:
         self.daemons[node].wait()
 
     def processes_of(self, node):
-        return set(processes_with("PLATOON_NODE=" + self.folder + "/" + node)) | (
+        found = set(processes_with("PLATOON_NODE=" + self.folder + "/" + node)) | (
             set(processes_with("SLURMD_NODENAME=" + node)) & set(processes_with("SLURM_CONF=" + self.file)))
+        return found | set(filter(None, map(stepd_above, found)))  # Slurm 24 removes the environment of slurmstepd
 
     @staticmethod
     def send(process, number):
