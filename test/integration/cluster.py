@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 
 import live_platoon
-from processes import processes_with
+from processes import children, processes_with, words_of
 
 PROGRAMS = ("munged", "mungekey", "slurmctld", "slurmd", "sbatch", "scontrol", "squeue", "scancel", "sinfo")
 NODES = ("n0", "n1")
@@ -51,16 +51,6 @@ def why_not():
     if missing:
         return "needs " + ", ".join(missing) + " (packages slurmctld, slurmd, slurm-client, munge)"
     return "" if os.geteuid() == 0 else "slurmd runs as root only"
-
-
-def stepd_above(process):
-    """The slurmstepd that has started a process; 0 if another program has, or the process has ended."""
-    with contextlib.suppress(OSError):
-        with open("/proc/{}/stat".format(process)) as file:
-            parent = file.read().rpartition(") ")[2].split()[1]
-        with open("/proc/{}/cmdline".format(parent)) as file:
-            return int(parent) if file.read().startswith("slurmstepd") else 0
-    return 0
 
 
 class Cluster:
@@ -136,7 +126,9 @@ class Cluster:
     def processes_of(self, node):
         found = set(processes_with("PLATOON_NODE=" + self.folder + "/" + node)) | (
             set(processes_with("SLURMD_NODENAME=" + node)) & set(processes_with("SLURM_CONF=" + self.file)))
-        return found | set(filter(None, map(stepd_above, found)))  # Slurm 24 removes the environment of slurmstepd
+        # Slurm 24 removes the environment of slurmstepd.
+        return found | {process for process in map(int, filter(str.isdigit, os.listdir("/proc")))
+                        if "".join(words_of(process)).startswith("slurmstepd") and found.intersection(children(process))}
 
     @staticmethod
     def send(process, number):

@@ -50,8 +50,9 @@ STANDING = (
     ("rosrun stochastic_platoon rospy_follower.py", "", " 3|external:="),
 )
 STAY_UP = "roslaunch stochastic_platoon live.launch"
-# roslaunch and rospy of Debian 11 call a method that its Python no longer has, when they end.
-OF_DEBIAN_11 = re.compile(r"Traceback \(most recent call last\):\n(?:  .*\n)*AttributeError: '\w+' object has no attribute 'isAlive'")
+# roslaunch and rospy of Debian 11 call a method that its Python no longer has, when they end, and CMake finds no threads in its libc.
+OF_DEBIAN_11 = re.compile(r"Traceback \(most recent call last\):\n(?:  .*\n)*AttributeError: '\w+' object has no attribute 'isAlive'"
+                          r"|^-- Looking for pthread_create in pthreads - not found$", re.M)
 
 
 FILES = ("README.md", "config/README.md", "launch/README.md", "launch/examples/README.md", "msg/README.md")
@@ -108,7 +109,7 @@ class Commands(unittest.TestCase):
         text = self.said()
         self.assertEqual(status, 0, "{}\n{}".format(line, text))
         text = OF_DEBIAN_11.sub("", text)
-        for bad in ("Traceback", "[ERROR]", "FATAL", "RLException", "DISAGREE") + (() if line.startswith(("cmake", "make")) else ("not found",)):
+        for bad in ("Traceback", "[ERROR]", "FATAL", "RLException", "DISAGREE") + (() if line.startswith("cmake") else ("not found",)):
             self.assertNotIn(bad, text, line)
         if line.startswith("rosservice"):
             self.assertIn("success: True", text, line)

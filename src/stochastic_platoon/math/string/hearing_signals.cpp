@@ -104,7 +104,7 @@ std::vector<StationarySignal> hearing_signals(const PlatoonModel& model, const s
     for (std::size_t s = 0; s < names.size(); ++s)
       result[s].limit = stationary_moments(model, at_places, s, far + 1, settled, limits);
   } catch (const NarrowSpectra&) {
-    // What is left is not known.
+    // The moments that were not computed stay NaN, and the limit is absent.
   }
   return result;
 }
