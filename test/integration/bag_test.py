@@ -55,6 +55,15 @@ class RecordAndReplay(BagTest):
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
         self.assertGreater(live_platoon.completed_summary(again)["wall_seconds"], 0.9)
 
+    def test_a_replay_whose_monitor_is_killed_gives_the_same_statistics(self):
+        self.record(followers=2, steps=20, realizations=400, batch=10)
+        again = self.path("again")
+        terminal = self.launch("replay.launch", bag=self.bag, output=again, rate=20)  # 84 s of platoon time
+        live_platoon.wait_for(lambda: os.path.exists(again) and any(name.startswith("checkpoint") for name in os.listdir(again)), "the first checkpoint", 60)
+        live_platoon.kill("/platoon/monitor", terminal.master)
+        terminal.wait(60)
+        self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
+
     def test_a_split_recording_is_read_as_one(self):
         self.record(followers=5, steps=50, realizations=4000, batch=250, record_split_mb=4)
         parts = sorted(name for name in os.listdir(self.folder) if name.endswith(".bag"))

@@ -42,7 +42,7 @@ class Fed(unittest.TestCase):
         return live_platoon.wait_for(lambda: self.browser.run("return " + condition), what + " on the page", 20.0)
 
     def text_comes(self, selector, words):
-        self.wait_for_page("document.querySelector('{}').textContent.includes('{}')".format(selector, words), words)
+        self.wait_for_page("document.querySelector('{}')?.textContent.includes('{}')".format(selector, words), words)
 
     def begin(self, followers, **model):
         self.followers = followers

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "simulation/machine.hpp"
 #include "simulation/uniform.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
@@ -14,8 +15,8 @@ namespace platoon::simulation {
 
 namespace {
 
-const char* const kNames[] = {"kill",      "stop",  "pause",  "cut",       "slow", "full_disk",
-                              "set_clock", "stray", "tamper", "interrupt", "power"};
+const char* const kNames[] = {"kill",      "stop",  "pause",  "cut",   "slow",      "full_disk",
+                              "set_clock", "stray", "tamper", "order", "interrupt", "power"};
 
 }  // namespace
 
@@ -26,7 +27,7 @@ std::string to_string(const Fault& fault) {
 Plan plan_of(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   // Shares in per cent, in the order of FaultKind.
-  constexpr int kShares[] = {22, 8, 14, 20, 12, 5, 2, 5, 8, 3, 1};
+  constexpr int kShares[] = {20, 8, 14, 18, 12, 5, 2, 5, 6, 6, 3, 1};
   Plan plan{seed, {}};
   const std::size_t count = 20 + random() % 80;
   while (plan.faults.size() < count) {
@@ -38,6 +39,22 @@ Plan plan_of(std::uint64_t seed) {
         {static_cast<FaultKind>(kind), wait, static_cast<std::uint32_t>(random() >> 33), uniform(random)});
   }
   return plan;
+}
+
+std::string disturb_connection(World& world, const Fault& fault) {
+  const auto connections = world.all_connections();
+  if (connections.empty()) return "no connection";
+  const auto& connection = connections[fault.which % connections.size()];
+  if (fault.kind == FaultKind::cut)
+    world.cut(connection);
+  else
+    connection->slow_until = world.now() + 3.0 * fault.extent;
+  return connection->sent.lock()->topic + " to " + connection->received.lock()->node->name();
+}
+
+void fill_disk(World& world, const Fault& fault) {
+  Machine::limit_files(1 + static_cast<std::size_t>(20000.0 * fault.extent));
+  world.after(3.0 * fault.extent, nullptr, [] { Machine::limit_files(0); });
 }
 
 std::optional<ros::SerializedMessage> tampered(const ros::SerializedMessage& position, std::uint32_t which) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "simulation/world.hpp"
+
 namespace platoon::simulation {
 
 enum class FaultKind {
@@ -19,6 +21,7 @@ enum class FaultKind {
   set_clock,  ///< the wall clock jumps
   stray,      ///< a stranger publishes messages of another run
   tamper,     ///< an external vehicle breaks a clause of the contract
+  order,      ///< an order to the platoon; the monitor may be killed just after it has confirmed it
   interrupt,  ///< Ctrl-C, and a launch that resumes
   power       ///< all nodes are killed, the disk loses what was not synced; a launch resumes
 };
@@ -41,6 +44,12 @@ struct Plan {
 
 /// The plan of a seed.
 Plan plan_of(std::uint64_t seed);
+
+/// Cuts a connection, or slows it down for a while. Returns which.
+std::string disturb_connection(World& world, const Fault& fault);
+
+/// Limits the size of files for a while.
+void fill_disk(World& world, const Fault& fault);
 
 /// A position as a vehicle sends it that breaks its contract, in one of five ways; none if it sends nothing.
 std::optional<ros::SerializedMessage> tampered(const ros::SerializedMessage& position, std::uint32_t which);

@@ -1,8 +1,14 @@
 #include "simulation/launches.hpp"
 
+#include <algorithm>
 #include <iterator>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/simulation/trajectory.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
+#include "stochastic_platoon/ros/bags/bag_stream.hpp"
+#include "stochastic_platoon/ros/bags/bag_writer.hpp"
+#include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
@@ -12,6 +18,8 @@
 
 namespace platoon::simulation {
 
+using stochastic_platoon::Position;
+
 namespace {
 
 std::size_t any(std::mt19937_64& random, std::size_t from, std::size_t to) {
@@ -20,7 +28,7 @@ std::size_t any(std::mt19937_64& random, std::size_t from, std::size_t to) {
 
 }  // namespace
 
-std::map<std::string, std::string> random_settings(std::mt19937_64& random) {
+std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool endless) {
   static const char* const models[] = {"paper.yaml",
                                        "cacc.yaml",
                                        "lossy.yaml",
@@ -46,6 +54,12 @@ std::map<std::string, std::string> random_settings(std::mt19937_64& random) {
   if (any(random, 0, 2) == 0) settings["signals"] = "gap,speed";
   if (any(random, 0, 2) == 0) settings["record"] = "yes";
   if (any(random, 0, 3) == 0) settings["external"] = std::to_string(any(random, 1, followers));
+  if (!endless) return settings;
+  settings.erase("signals");
+  settings["steps"] = "0";
+  settings["realizations"] = settings["batch"] = "1";
+  settings["rate"] = std::to_string(any(random, 10, 100));
+  settings["burn_in"] = std::to_string(any(random, 0, kEndlessSteps / 2));
   return settings;
 }
 
@@ -55,6 +69,26 @@ Configuration launched(const std::map<std::string, std::string>& settings) {
   if (const std::optional<Checkpoint> start = starting_point(configuration))
     configuration.run.first_realization = start->totals.count();
   return configuration;
+}
+
+Configuration replayed(const std::string& bag, const std::string& output) {
+  Configuration configuration = recorded_platoon({{bag}}).configuration;
+  configuration.run.record.clear();
+  configuration.run.resume = false;
+  configuration.run.rate = 0.0;
+  configuration.run.first_realization = 0;
+  return parse_configuration(configuration_document(configuration, {{"output", output}, {"launch_id", output}}));
+}
+
+std::string description(const Configuration& configuration) {
+  const RunOptions& run = configuration.run;
+  return "launch " + run.launch_id +
+         formatted(
+             ": %zu followers, %lld steps, %llu realizations from %llu, "
+             "batches of %llu",
+             run.followers, static_cast<long long>(run.steps), static_cast<unsigned long long>(run.realizations),
+             static_cast<unsigned long long>(run.first_realization), static_cast<unsigned long long>(run.batch)) +
+         (run.record.empty() ? "" : ", recorded");
 }
 
 const std::string& reference(const Configuration& configuration) {
@@ -91,6 +125,42 @@ std::string problem_of(const Configuration& configuration, bool recorded) {
     return error.what();
   }
   return "";
+}
+
+std::string problem_of_endless(const Configuration& configuration, bool power_was_lost) {
+  const RunOptions& run = configuration.run;
+  const std::string file = left_recording(run.record);
+  if (file.empty()) return "";
+  std::map<std::uint64_t, std::vector<Position::ConstPtr>> positions;  // by realization, of all vehicles
+  try {
+    BagStream stream({{file}, power_was_lost ? Accept::damaged : Accept::cut},
+                     [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; });
+    for (auto message = stream.next(); message; message = stream.next()) {
+      const Position::Ptr& position = message->position();
+      position->run = message->topic.vehicle;
+      positions[first_noise_realization(run.schedule(), id_of(*position))].push_back(position);
+    }
+  } catch (const BagError& error) {
+    return power_was_lost ? "" : error.what();
+  }
+  std::string problem;
+  for (const auto& [realization, all] : positions) {
+    const auto later = [](const auto& one, const auto& other) { return one->step < other->step; };
+    const std::int64_t steps = (*std::max_element(all.begin(), all.end(), later))->step + 1;
+    std::size_t vehicle = 0;
+    for_each_trajectory(configuration.model, WhiteNoise(run.seed), run.followers, steps, realization, {},
+                        [&](const Trajectory& trajectory) {
+                          for (const Position::ConstPtr& position : all) {
+                            const auto k = static_cast<std::size_t>(position->step + 1);
+                            if (position->run == vehicle && position->position.at(0) != trajectory.position[k])
+                              problem = formatted("%s: vehicle %zu, realization %llu, step %lld: %.17g m", file.c_str(),
+                                                  vehicle, static_cast<unsigned long long>(realization),
+                                                  static_cast<long long>(position->step), position->position[0]);
+                          }
+                          ++vehicle;
+                        });
+  }
+  return problem;
 }
 
 }  // namespace platoon::simulation

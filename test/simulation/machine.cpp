@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/statvfs.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -166,6 +167,14 @@ int unlink(const char* name) noexcept {
 
 int remove(const char* name) noexcept {
   return removed(name, std::filesystem::is_directory(name) ? AT_REMOVEDIR : 0);
+}
+
+// std::filesystem::space asks it; the space of the real disk changes between two histories.
+int statvfs(const char*, struct statvfs* space) noexcept {
+  *space = {};
+  space->f_bsize = space->f_frsize = 4096;
+  space->f_blocks = space->f_bfree = space->f_bavail = 1000000;
+  return 0;
 }
 
 }  // extern "C"

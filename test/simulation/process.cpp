@@ -10,23 +10,21 @@ namespace platoon::simulation {
 namespace {
 
 std::string name_of(Process::Program program, std::uint32_t index) {
-  switch (program) {
-    case Process::Program::leader:
-      return std::string(kNamespace) + "/vehicle_0";
-    case Process::Program::channel:
-      return std::string(kNamespace) + "/channel";
-    case Process::Program::monitor:
-      return std::string(kNamespace) + "/monitor";
-    case Process::Program::follower:
-      break;
-  }
-  return std::string(kNamespace) + "/vehicle_" + std::to_string(index);
+  const char* const names[] = {"vehicle_0", "channel", "vehicle_", "monitor", "player", "vehicle_replay"};
+  const bool is_follower = program == Process::Program::follower;
+  return std::string(kNamespace) + "/" + names[static_cast<int>(program)] + (is_follower ? std::to_string(index) : "");
 }
 
 }  // namespace
 
-Process::Process(World& world, Machine& machine, Program program, std::uint32_t index, bool kept)
-    : world_(world), machine_(machine), program_(program), index_(index), kept_(kept), name_(name_of(program, index)) {}
+Process::Process(World& world, Machine& machine, Program program, std::uint32_t index, bool kept, std::string bag)
+    : world_(world),
+      machine_(machine),
+      program_(program),
+      index_(index),
+      kept_(kept),
+      bag_(std::move(bag)),
+      name_(name_of(program, index)) {}
 
 Process::~Process() {
   if (runs()) kill();
@@ -58,6 +56,12 @@ void Process::construct() {
     files_ = {std::filesystem::absolute(run.output).string() + "/"};
     monitor_ = std::make_unique<Monitor>(
         platoon, *configuration, [&platoon](std::size_t) { return platoon; }, superseded());
+  } else if (program_ == Program::player) {
+    player_ = std::make_unique<Player>(platoon, ros::NodeHandle(name_), *configuration, PlayerOptions{{{bag_}}});
+  } else if (program_ == Program::vehicle_replay) {
+    constexpr double kPatience = 1000.0;  // [s]
+    vehicle_replay_ =
+        std::make_unique<VehicleReplay>(platoon, *configuration, BagSource{{bag_}}, index_, false, kPatience);
   } else {
     if (!run.record.empty()) {
       files_ = {std::filesystem::absolute(run.record).string()};
@@ -91,6 +95,8 @@ void Process::destroy() {
     recorder_.reset();
     follower_.reset();
     monitor_.reset();
+    player_.reset();
+    vehicle_replay_.reset();
   });
   node_.reset();
 }

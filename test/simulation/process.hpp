@@ -13,6 +13,8 @@
 #include "stochastic_platoon/ros/nodes/leader.hpp"
 #include "stochastic_platoon/ros/nodes/monitor.hpp"
 #include "stochastic_platoon/ros/nodes/recorder.hpp"
+#include "stochastic_platoon/ros/replay/player.hpp"
+#include "stochastic_platoon/ros/replay/vehicle_replay.hpp"
 
 namespace platoon::simulation {
 
@@ -21,16 +23,21 @@ constexpr char kNamespace[] = "/platoon";
 /// A node of the package in a process that roslaunch keeps alive: its main, as in src/nodes, and its ends.
 class Process {
 public:
-  enum class Program { leader, channel, follower, monitor };
+  enum class Program { leader, channel, follower, monitor, player, vehicle_replay };
 
-  /// `index`: that of a follower. `kept`: one of followers.launch.
-  Process(World& world, Machine& machine, Program program, std::uint32_t index = 0, bool kept = false);
+  /// `index`: that of a follower, also of the one that vehicle_replay drives. `kept`: one of followers.launch. `bag`:
+  /// what a replay reads.
+  Process(World& world, Machine& machine, Program program, std::uint32_t index = 0, bool kept = false,
+          std::string bag = "");
   ~Process();
 
   const std::string& name() const { return name_; }
   Program program() const { return program_; }
   bool runs() const { return node_ != nullptr; }
   Node* node() const { return node_.get(); }
+  /// Whether the launch ends with it.
+  bool is_required() const { return program_ == Program::player || program_ == Program::vehicle_replay; }
+  const VehicleReplay* replay() const { return vehicle_replay_.get(); }
 
   void start();
   void stop();  ///< SIGTERM
@@ -50,6 +57,7 @@ private:
   Program program_;
   std::uint32_t index_;
   bool kept_;
+  std::string bag_;
   std::string name_;
   std::unique_ptr<Node> node_;
   std::vector<std::string> files_;  ///< beginnings of their names
@@ -58,6 +66,8 @@ private:
   std::unique_ptr<Channel> channel_;
   std::unique_ptr<Follower> follower_;
   std::unique_ptr<Monitor> monitor_;
+  std::unique_ptr<Player> player_;
+  std::unique_ptr<VehicleReplay> vehicle_replay_;
 };
 
 }  // namespace platoon::simulation

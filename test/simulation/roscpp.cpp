@@ -43,6 +43,7 @@ struct PeriodicCall {
 std::map<const void*, std::shared_ptr<SentTopic>> publications;
 std::map<const void*, std::shared_ptr<ReceivedTopic>> subscriptions;
 std::map<const void*, std::shared_ptr<PeriodicCall>> timers;
+std::map<const void*, const Node*> services;
 
 void run_timer(const std::weak_ptr<PeriodicCall>& weak) {
   const std::shared_ptr<PeriodicCall> timer = weak.lock();
@@ -161,17 +162,29 @@ void SteadyTimer::Impl::stop() {
   timers.erase(this);
 }
 
-ServiceServer NodeHandle::advertiseService(AdvertiseServiceOptions&) {
-  return {};
+ServiceServer NodeHandle::advertiseService(AdvertiseServiceOptions& options) {
+  ServiceServer server;
+  server.impl_ = boost::make_shared<ServiceServer::Impl>();
+  ServiceServer::Impl& impl = *server.impl_;
+  impl.service_ = resolveName(options.service, true);
+  world().services[impl.service_] = {running(), options.helper};
+  services[&impl] = running();
+  return server;
 }
 
-bool NodeHandle::hasParam(const std::string& key) const {
-  return world().parameters.count(resolveName(key, true)) > 0;
+ServiceServer::Impl::Impl() : unadvertised_(false) {}
+ServiceServer::Impl::~Impl() {
+  unadvertise();
 }
-bool NodeHandle::getParam(const std::string& key, std::string& text) const {
-  const auto found = world().parameters.find(resolveName(key, true));
-  if (found != world().parameters.end()) text = found->second;
-  return found != world().parameters.end();
+void ServiceServer::Impl::unadvertise() {
+  const auto found = services.find(this);
+  if (found == services.end()) return;
+  unadvertised_ = true;
+  if (World::present() != nullptr) {
+    const auto offered = world().services.find(service_);
+    if (offered != world().services.end() && offered->second.node == found->second) world().services.erase(offered);
+  }
+  services.erase(found);
 }
 
 CallbackQueue* getGlobalCallbackQueue() {
@@ -195,8 +208,19 @@ const std::string& getNamespace() {
 
 namespace master {
 
-bool execute(const std::string& method, const XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& payload,
-             bool) {
+// The parameters' own functions are those of roscpp.
+bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue&,
+             XmlRpc::XmlRpcValue& payload, bool) {
+  auto& parameters = world().parameters;
+  const auto key = [&request]() -> const std::string& { return request[1]; };
+  if (method == "setParam") return parameters[key()] = request[2], true;
+  if (method == "deleteParam") return parameters.erase(key()) > 0;
+  if (method == "hasParam") return payload = parameters.count(key()) > 0, true;
+  if (method == "getParam") {
+    const auto found = parameters.find(key());
+    if (found != parameters.end()) payload = found->second;
+    return found != parameters.end();
+  }
   if (method != "getSystemState") return false;
   payload = XmlRpc::XmlRpcValue();
   payload[0].setSize(0);

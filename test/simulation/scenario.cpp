@@ -1,7 +1,5 @@
 #include "simulation/scenario.hpp"
 
-#include <ros/node_handle.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -12,8 +10,8 @@
 #include <utility>
 
 #include "simulation/launches.hpp"
-#include "simulation/observer.hpp"
-#include "simulation/process.hpp"
+#include "simulation/outsiders.hpp"
+#include "simulation/roslaunch.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 
@@ -23,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPatience = 300.0;       // [s] from the last fault to the end of a run
-constexpr std::size_t kMostVehicles = 4;  // followers
+constexpr double kPatience = 300.0;          // [s] from the last fault to the end of a run
+constexpr std::uint32_t kMostFollowers = 4;  // of any launch
 
 /// A run that ends for a reason that is no fault of a simulated thing.
 class Failure : public std::runtime_error {
@@ -34,7 +32,7 @@ class Failure : public std::runtime_error {
 class Scenario {
 public:
   explicit Scenario(const Plan& plan)
-      : plan_(plan), random_(plan.seed * 2 + 1), world_(plan.seed), kept_(random_() % 2 == 0) {
+      : plan_(plan), random_(plan.seed * 2 + 1), world_(plan.seed), roslaunch_(world_, machine_) {
     began_ = last_fault_ = world_.now();
     due_ = began_ + (plan_.faults.empty() ? 0.0 : plan_.faults.front().wait);
     world_.log = [this](const std::string& line) { log(line); };
@@ -42,19 +40,10 @@ public:
     world_.tamper = [this](const SentTopic& topic, const ros::SerializedMessage& message) {
       return tampered(topic, message);
     };
-    if (kept_) {
-      for (std::uint32_t i = 1; i <= kMostVehicles; ++i)
-        followers_.push_back(std::make_unique<Process>(world_, machine_, Process::Program::follower, i, true));
-      for (const auto& follower : followers_) follower->start();
-    }
+    if (random_() % 2 == 0) roslaunch_.keep(kMostFollowers);
   }
 
-  ~Scenario() {
-    end_launch(true);
-    for (const auto& follower : followers_) {
-      if (follower->runs()) follower->kill();
-    }
-  }
+  ~Scenario() { end_launch(true); }
 
   Outcome run() {
     try {
@@ -82,39 +71,30 @@ private:
 
   void died(Node& node, const std::string& error) {
     note(node.name() + ": ended with an error: " + error);
-    for (Process* const process : processes()) {
+    for (Process* const process : roslaunch_.processes()) {
       if (process->node() == &node) {
+        if (process->is_required()) throw Failure("a replay ended: " + error);
         // Not within the callback of the node that ends.
         world_.after(0.0, nullptr, [this, process, number = node.number()] {
           if (!process->runs() || process->node()->number() != number) return;
           process->fail();
-          respawn(*process);
+          roslaunch_.respawn(*process);
         });
       }
     }
     if (++errors_ > 1000) throw Failure("a node ends with an error again and again: " + error);
   }
 
-  std::vector<Process*> processes() {
-    std::vector<Process*> all;
-    for (const auto& process : followers_) all.push_back(process.get());
-    for (const auto& process : launched_) all.push_back(process.get());
-    return all;
-  }
-
-  void respawn(Process& process) {
-    const bool outlives = kept_ && process.program() == Process::Program::follower;
-    process.start_again([this, outlives, launch = token_] { return outlives || (is_up_ && launch == token_); });
-  }
-
   void launch() {
     ++launches_;
-    settings_ = random_settings(random_);
-    if (kept_) settings_.erase("external");
+    const bool is_endless = random_() % 6 == 0;
+    settings_ = random_settings(random_, is_endless);
+    if (roslaunch_.keeps_followers()) settings_.erase("external");
     const std::string number = std::to_string(launches_);
     const bool records = settings_.erase("record") > 0;
     settings_["output"] = "out/" + number;
     if (records) settings_["record"] = "out/" + number + ".bag";
+    if (is_endless) return launch_endless();
     for (int attempt = 0; !launch_once(attempt); ++attempt) {
       settings_["resume"] = "true";
       if (records) settings_["record"] = "out/" + number + "_" + std::to_string(attempt) + ".bag";
@@ -122,74 +102,102 @@ private:
     const bool whole = configuration_->run.first_realization == 0 && !configuration_->run.record.empty();
     const std::string problem = problem_of(*configuration_, whole);
     if (!problem.empty()) throw Failure(problem);
+    if (whole) replay(configuration_->run.record);
   }
 
   /// Returns whether the run is complete; else it is to be resumed.
   bool launch_once(int attempt) {
     settings_["launch_id"] = formatted("launch_%d_%d", launches_, attempt);
     configuration_ = simulation::launched(settings_);
-    world_.parameters[std::string(kNamespace) + "/configuration"] = to_json(*configuration_).dump();
-    note("launch " + settings_["launch_id"] + ": " + fs::path(settings_["model"]).filename().string() +
-         formatted(", %zu followers, %lld steps, %llu realizations from %llu, batches of %llu",
-                   configuration_->run.followers, static_cast<long long>(configuration_->run.steps),
-                   static_cast<unsigned long long>(configuration_->run.realizations),
-                   static_cast<unsigned long long>(configuration_->run.first_realization),
-                   static_cast<unsigned long long>(configuration_->run.batch)) +
-         (configuration_->run.record.empty() ? "" : ", recorded") + (kept_ ? ", kept followers" : ""));
-    ++token_;
-    is_up_ = true;
-    is_interrupted_ = false;
-    const auto add = [this](Process::Program program, std::uint32_t index = 0) {
-      launched_.push_back(std::make_unique<Process>(world_, machine_, program, index));
-    };
-    add(Process::Program::leader);
-    add(Process::Program::channel);
-    add(Process::Program::monitor);
-    for (std::uint32_t i = 1; !kept_ && i <= configuration_->run.followers; ++i) add(Process::Program::follower, i);
-    for (const auto& process : launched_) {
-      world_.after(world_.uniform(0.05, 0.6), nullptr, [this, launch = token_, each = process.get()] {
-        if (is_up_ && launch == token_ && !each->runs()) each->start();
-      });
+    return carry_out(platoon_nodes(), [this] { return observer_->complete(); });
+  }
+
+  void launch_endless() {
+    settings_["launch_id"] = formatted("launch_%d", launches_);
+    configuration_ = simulation::launched(settings_);
+    runs_ = {*configuration_};
+    faults_left_ = 2 + random_() % 15;
+    const bool complete = carry_out(platoon_nodes(), [this] {
+      return faults_left_ == 0 && observer_->has(run_identity(runs_.back()), kEndlessSteps);
+    });
+    faults_left_.reset();
+    if (complete && !fs::exists(runs_.back().run.output + "/statistics.csv"))
+      throw Failure(runs_.back().run.output + " has no results");
+    for (const Configuration& run : runs_) {
+      const std::string problem = changes_ && !run.run.record.empty() ? problem_of_endless(run, lost_power_) : "";
+      if (!problem.empty()) throw Failure(problem);
     }
+  }
+
+  /// Into a monitor, or of the inputs of one live follower.
+  void replay(std::string bag) {
+    configuration_ = replayed(bag, "out/" + std::to_string(launches_) + "_replayed");
+    const auto index = static_cast<std::uint32_t>(1 + random_() % configuration_->run.followers);
+    if (random_() % 2 == 0) {
+      const bool complete = carry_out({{Process::Program::player, 0, bag}, {Process::Program::monitor}},
+                                      [this] { return observer_->complete(); });
+      const std::string problem = complete ? problem_of(*configuration_, false) : "";
+      if (!problem.empty()) throw Failure(problem);
+      return;
+    }
+    std::vector<Part> parts{{Process::Program::vehicle_replay, index, bag}};
+    if (!roslaunch_.keeps_followers()) parts.push_back({Process::Program::follower, index});
+    carry_out(parts, [this] {
+      const VehicleReplay* const replay = roslaunch_.launched().front()->replay();
+      if (replay == nullptr || !replay->done()) return false;
+      if (!replay->equal()) throw Failure(replay->verdict());
+      return true;
+    });
+  }
+
+  std::vector<Part> platoon_nodes() const {
+    std::vector<Part> parts{{Process::Program::leader}, {Process::Program::channel}, {Process::Program::monitor}};
+    for (const Part& follower : roslaunch_.followers(configuration_->run.followers)) parts.push_back(follower);
+    return parts;
+  }
+
+  /// Launches the nodes and waits until the launch is done, which is returned, or interrupted.
+  bool carry_out(const std::vector<Part>& parts, const std::function<bool()>& is_done) {
+    world_.parameters[std::string(kNamespace) + "/configuration"] = to_json(*configuration_).dump();
+    note(description(*configuration_) + ", " + fs::path(settings_["model"]).filename().string() +
+         (roslaunch_.keeps_followers() ? ", kept followers" : ""));
+    changes_ = random_() % 2 == 0;
+    is_interrupted_ = lost_power_ = false;
+    roslaunch_.launch(parts);
     observer_.emplace(world_, *configuration_);
+    operator_.emplace(world_, [this](const std::string& service, const std_srvs::TriggerResponse& response) {
+      answered(service, response);
+    });
     last_fault_ = world_.now();
     schedule_fault();
-    const auto done = [this] { return is_interrupted_ || observer_->complete(); };
+    const auto done = [&] { return is_interrupted_ || is_done(); };
     while (!world_.run_until(done, last_fault_ + kPatience)) {
       if (world_.now() < last_fault_ + kPatience) continue;
       outcome_.hung = true;
       throw Failure("the run has not ended " + formatted("%.0f s", kPatience) + " after the last fault");
     }
-    const bool complete = observer_ && observer_->complete();
+    const bool complete = !is_interrupted_ || (observer_ && is_done());
     end_launch(false);
     return complete;
   }
 
   void end_launch(bool killed) {
-    is_up_ = false;
     Machine::limit_files(0);
     tampering_.reset();
-    for (const auto& process : launched_) {
-      if (!process->runs()) continue;
-      if (killed)
-        process->kill();
-      else
-        process->stop();
-    }
-    // Events of this launch refer to its processes.
-    ended_.insert(ended_.end(), std::make_move_iterator(launched_.begin()), std::make_move_iterator(launched_.end()));
-    launched_.clear();
+    roslaunch_.end(killed);
     observer_.reset();
-    stray_.clear();
+    operator_.reset();
     stranger_.reset();
   }
 
   /// A fault that is due between two launches waits for the next one.
   void schedule_fault() {
-    if (next_fault_ == plan_.faults.size()) return;
-    world_.after(std::max(due_ - world_.now(), 0.0), nullptr, [this, launch = token_] {
-      if (!is_up_ || is_interrupted_ || launch != token_) return;
+    if (next_fault_ == plan_.faults.size()) faults_left_ = faults_left_ ? 0 : faults_left_;
+    if (next_fault_ == plan_.faults.size() || faults_left_ == 0) return;
+    world_.after(std::max(due_ - world_.now(), 0.0), nullptr, [this, launch = roslaunch_.number()] {
+      if (!roslaunch_.is_up() || is_interrupted_ || launch != roslaunch_.number()) return;
       last_fault_ = world_.now();
+      if (faults_left_) --*faults_left_;
       inflict(plan_.faults[next_fault_++]);
       if (next_fault_ < plan_.faults.size()) due_ = world_.now() + plan_.faults[next_fault_].wait;
       schedule_fault();
@@ -198,7 +206,8 @@ private:
 
   void inflict(const Fault& fault) {
     note("FAULT " + to_string(fault));
-    const std::vector<Process*> all = processes();
+    if (faults_left_ && fault.which / 7 % 4 == 0) return order(fault);
+    const std::vector<Process*> all = roslaunch_.processes();
     Process& process = *all[fault.which % all.size()];
     switch (fault.kind) {
       case FaultKind::kill:
@@ -209,73 +218,76 @@ private:
           process.kill();
         else
           process.stop();
-        return respawn(process);
+        if (!process.is_required()) return roslaunch_.respawn(process);
+        is_interrupted_ = true;
+        return;
       case FaultKind::pause:
         if (!process.runs()) return;
         note(process.name());
         return world_.pause(*process.node(), 6.0 * fault.extent * fault.extent);
       case FaultKind::cut:
       case FaultKind::slow:
-        return disturb_connection(fault);
+        return note(disturb_connection(world_, fault));
       case FaultKind::full_disk:
-        return fill_disk(fault);
+        return fill_disk(world_, fault);
       case FaultKind::set_clock:
         return machine_.set_clock(2e5 * (fault.extent - 0.5));
       case FaultKind::stray:
-        return publish_stray(fault);
+        if (!stranger_) stranger_.emplace(world_);
+        return stranger_->publish(*configuration_, fault.which, fault.extent);
       case FaultKind::tamper:
         tampering_ = fault;
         return;
+      case FaultKind::order:
+        return order(fault);
       case FaultKind::interrupt:
       case FaultKind::power:
         return interrupt(fault);
     }
   }
 
-  void disturb_connection(const Fault& fault) {
-    const auto connections = world_.all_connections();
-    if (connections.empty()) return;
-    const auto& connection = connections[fault.which % connections.size()];
-    note(connection->sent.lock()->topic + " to " + connection->received.lock()->node->name());
-    if (fault.kind == FaultKind::cut) return world_.cut(connection);
-    connection->slow_until = world_.now() + 3.0 * fault.extent;
+  // Not within the callback of a node, which would end with the exception.
+  void fail(const std::string& what) {
+    world_.after(0.0, nullptr, [what] { throw Failure(what); });
   }
 
-  void fill_disk(const Fault& fault) {
-    Machine::limit_files(1 + static_cast<std::size_t>(20000.0 * fault.extent));
-    world_.after(3.0 * fault.extent, nullptr, [] { Machine::limit_files(0); });
+  void order(const Fault& fault) {
+    if (changes_) return operator_->change_run(fault.which, fault.extent);
+    note(operator_->drive(fault.which, fault.extent));
+  }
+
+  void answered(const std::string& service, const std_srvs::TriggerResponse& response) {
+    note(service + (response.success ? ": " : ": rejected: ") + response.message);
+    if (!response.success) return;
+    if (configuration_->run.averaging() == Averaging::over_realizations)
+      return fail("a run over realizations has taken an order: " + response.message);
+    if (service != kChangeRunService) return;
+    const std::string text = world_.parameters[std::string(kNamespace) + "/configuration"];
+    const Configuration next = parse_configuration(text);
+    if (next.run.number == runs_.back().run.number) return fail("an answered order is not in the configuration");
+    runs_.push_back(next);
+    if (!world_.happens(0.3)) return;
+    world_.after(world_.uniform(0.0, 0.05), nullptr, [this] {
+      for (Process* const process : roslaunch_.processes()) {
+        if (process->program() != Process::Program::monitor || !process->runs()) continue;
+        note("the monitor is killed after its answer");
+        process->kill();
+        roslaunch_.respawn(*process);
+      }
+    });
   }
 
   void interrupt(const Fault& fault) {
     is_interrupted_ = true;
+    lost_power_ = fault.kind == FaultKind::power;
     if (fault.kind == FaultKind::interrupt) return;
     end_launch(true);
-    for (const auto& follower : followers_) {
-      if (follower->runs()) follower->kill();
-      respawn(*follower);
-    }
+    roslaunch_.lose_power();
     machine_.lose_power("out", [this] { return world_.uniform(0.0, 1.0); });
   }
 
-  void publish_stray(const Fault& fault) {
-    if (!stranger_) stranger_ = std::make_unique<Node>(world_, "/stranger");
-    const auto vehicle = static_cast<std::uint32_t>(fault.which % (configuration_->run.followers + 1));
-    const bool received = fault.extent < 0.5 && vehicle > 0;
-    world_.as(stranger_.get(), [&] {
-      ros::NodeHandle platoon(kNamespace);
-      const std::string topic = received ? predecessor_position_topic(vehicle) : position_topic(vehicle);
-      ros::Publisher& publisher = stray_[topic];
-      if (!publisher) publisher = platoon.advertise<stochastic_platoon::Position>(topic, 0);
-      stochastic_platoon::Position message;
-      message.run = 1 + fault.which;
-      message.step = -1;
-      message.position.assign(configuration_->run.batch, 0.0);
-      publisher.publish(message);
-    });
-  }
-
   std::optional<ros::SerializedMessage> tampered(const SentTopic& topic, const ros::SerializedMessage& message) {
-    if (!tampering_ || configuration_->run.external.empty()) return message;
+    if (!tampering_ || roslaunch_.is_replay() || configuration_->run.external.empty()) return message;
     const auto external = static_cast<std::size_t>(configuration_->run.external.front());
     if (topic.topic != std::string(kNamespace) + "/" + position_topic(external) || !message.message) return message;
     return simulation::tampered(message, std::exchange(tampering_, std::nullopt)->which);
@@ -285,18 +297,22 @@ private:
   std::mt19937_64 random_;
   Machine machine_;
   World world_;
-  bool kept_;
-  double began_ = 0.0, last_fault_ = 0.0, due_ = 0.0;  // [s]; due_: the next fault
+  Roslaunch roslaunch_;
+  double began_ = 0.0, last_fault_ = 0.0,
+         due_ = 0.0;  // [s]; due_: the next fault
   Outcome outcome_;
   std::size_t next_fault_ = 0;
-  int launches_ = 0, token_ = 0, errors_ = 0;  // token_: counts the resumed ones, too
-  bool is_up_ = false, is_interrupted_ = false;
+  int launches_ = 0,
+      errors_ = 0;  // launches_: without the resumed ones and the replays
+  bool is_interrupted_ = false, lost_power_ = false;
+  std::vector<Configuration> runs_;         ///< of an endless launch, one for each change
+  bool changes_ = false;                    ///< whether orders change the run; else they are for the leader
+  std::optional<std::size_t> faults_left_;  ///< of an endless launch
   std::map<std::string, std::string> settings_;
   std::optional<Configuration> configuration_;
-  std::vector<std::unique_ptr<Process>> followers_, launched_, ended_;
   std::optional<Observer> observer_;
-  std::unique_ptr<Node> stranger_;
-  std::map<std::string, ros::Publisher> stray_;
+  std::optional<Operator> operator_;
+  std::optional<Stranger> stranger_;
   std::optional<Fault> tampering_;
 };
 

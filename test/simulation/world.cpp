@@ -1,8 +1,11 @@
 #include "simulation/world.hpp"
 
+#include <ros/serialization.h>
 #include <ros/time.h>
+#include <std_srvs/TriggerRequest.h>
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
 #include <exception>
 #include <utility>
 
@@ -257,6 +260,23 @@ void World::cut(const std::shared_ptr<Connection>& connection) {
   connection->is_up = false;
   connection->latest = now_;
   come_up(connection, uniform(0.001, 0.5));
+}
+
+void World::call(const std::string& service, std::function<void(const std_srvs::TriggerResponse&)> answer) {
+  const auto found = services.find(service);
+  if (found == services.end()) return;
+  after(uniform(1e-4, 0.01), found->second.node, [helper = found->second.helper, answer = std::move(answer)] {
+    ros::ServiceCallbackHelperCallParams call;
+    call.request = ros::serialization::serializeMessage(std_srvs::TriggerRequest());
+    call.connection_header = boost::make_shared<ros::M_string>();
+    helper->call(call);
+    // One byte for success and four for the length precede the content.
+    ros::serialization::IStream content(call.response.buf.get() + 5,
+                                        static_cast<std::uint32_t>(call.response.num_bytes - 5));
+    std_srvs::TriggerResponse response;
+    ros::serialization::deserialize(content, response);
+    answer(response);
+  });
 }
 
 std::map<std::string, std::vector<std::string>> World::publishers() const {

@@ -2,7 +2,10 @@
 
 #include <ros/callback_queue.h>
 #include <ros/forwards.h>
+#include <ros/service_callback_helper.h>
 #include <ros/subscription_callback_helper.h>
+#include <std_srvs/TriggerResponse.h>
+#include <xmlrpcpp/XmlRpcValue.h>
 
 #include <cstdint>
 #include <deque>
@@ -59,6 +62,12 @@ struct ReceivedTopic {
   ros::SubscriptionCallbackHelperPtr helper;
 };
 
+/// A service as a node offers it.
+struct OfferedService {
+  Node* node;
+  ros::ServiceCallbackHelperPtr helper;
+};
+
 /// A connection of a node that sends a topic to one that receives it. Its messages arrive in their order, while it is
 /// up.
 struct Connection {
@@ -110,7 +119,12 @@ public:
   /// The nodes that are registered as publishers, by topic.
   std::map<std::string, std::vector<std::string>> publishers() const;
 
-  std::map<std::string, std::string> parameters;
+  std::map<std::string, XmlRpc::XmlRpcValue> parameters;
+  std::map<std::string, OfferedService> services;
+
+  /// Calls a service of type std_srvs/Trigger and passes its answer on; drops the call if no node serves it or the node
+  /// ends before.
+  void call(const std::string& service, std::function<void(const std_srvs::TriggerResponse&)> answer);
 
   /// Called with every line that a node logs, as "vehicle_1: WARN text".
   std::function<void(const std::string& line)> log = {};

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
@@ -15,7 +16,14 @@ using stochastic_platoon::Progress;
 
 namespace {
 
-constexpr double kIdlePeriod = 0.005;  // [s] between checks of the clock without other events
+constexpr double kIdlePeriod = 0.005;      // [s] between checks of the clock without other events
+constexpr double kMonitorPatience = 1.0;   // [s] without progress
+constexpr unsigned kMostRepetitions = 10;  // that complete no batch
+
+bool is_played(const PlatoonTopic& topic) {
+  return topic.kind == PlatoonTopic::Kind::position || topic.kind == PlatoonTopic::Kind::input ||
+         topic.kind == PlatoonTopic::Kind::error_statistics;
+}
 
 }  // namespace
 
@@ -25,11 +33,7 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Conf
       schedule_(configuration.run.schedule()),
       window_(configuration.run.window),
       options_(options),
-      stream_(options.bags,
-              [](const PlatoonTopic& topic) {
-                return topic.kind == PlatoonTopic::Kind::position || topic.kind == PlatoonTopic::Kind::input ||
-                       topic.kind == PlatoonTopic::Kind::error_statistics;
-              }),
+      stream_(std::in_place, options.bags, is_played),
       reading_(recorded_platoon(options.bags)),
       upcoming_(next()),
       paused_at_(options.paused ? std::optional<double>(now()) : std::nullopt) {
@@ -44,6 +48,7 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Conf
         if (began_ && paused_at_ && !request.data) *began_ += now() - *paused_at_;
         if (!request.data) paused_at_.reset();
         if (request.data && !paused_at_) paused_at_ = now();
+        last_progress_ = now();
         response.success = true;
         response.message = request.data ? "paused" : "playing";
         return true;
@@ -54,13 +59,22 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Conf
 }
 
 void Player::receive(const Progress::ConstPtr& message) {
-  if (message->run != run_) return;
-  heard_ = true;
+  if (message->run != run_ || message->receiver != "monitor") return;
   const Acknowledgement report{0, message->first_realization, message->step};
   if (!may_be_reported(schedule_, report)) return;
+  heard_ = true;
+  if (message->notice == Progress::MISSED) {
+    is_behind_ = true;
+    return play();
+  }
   const std::int64_t acknowledged = steps_covered(schedule_, 0, report);
-  if (acknowledged != acknowledged_) last_progress_ = now();
+  if (acknowledged != acknowledged_) {
+    is_behind_ = acknowledged < acknowledged_;
+    last_progress_ = now();
+  }
+  if (report.first_realization > committed_) repetitions_ = 0;
   acknowledged_ = acknowledged;
+  committed_ = report.first_realization;
   play();
 }
 
@@ -75,34 +89,65 @@ bool Player::may_publish(const Position& message) const {
     const double due = since_first(message) - options_.start;
     if (now() - *began_ < due / options_.rate) return false;
   }
-  return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ || now() - last_progress_ > 1.0;
+  return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ ||
+         now() - last_progress_ > kMonitorPatience;
 }
 
 void Player::play() {
   if (!heard_ || paused_at_) return;
   if (!began_) began_ = last_progress_ = now();
+  if (is_lost()) begin_again();
   while (upcoming_ && may_publish(*upcoming_->position())) {
     const auto played = played_.find({upcoming_->topic.kind, upcoming_->topic.vehicle});
-    const bool left_out = since_first(*upcoming_->position()) < options_.start;
-    const RecordedMessage due = *upcoming_;
-    reading_.take(due);
+    const Position::Ptr position = upcoming_->position();
+    const bool left_out = since_first(*position) < options_.start || position->first_realization < resumes_at_;
+    reading_->take(*upcoming_);
     upcoming_ = next();
     if (!upcoming_) require_as_recorded();
-    due.position()->run = run_;
-    if (played != played_.end() && !left_out) played->second.publish(due.position());
+    if (played == played_.end() || left_out) continue;
+    position->run = run_;
+    position->attempt += attempts_ahead_;
+    last_attempt_ = std::max(last_attempt_, position->attempt);
+    last_published_ = now();
+    played->second.publish(position);
   }
+}
+
+// Whether the monitor needs messages again. The attempts that a plain `rosbag record` has abandoned look like losses
+// until all of it is played.
+bool Player::is_lost() const {
+  if (schedule_.endless() || options_.start > 0.0 || schedule_.is_complete(committed_)) return false;
+  const double waited_since = now() - kMonitorPatience * std::pow(1.5, repetitions_);
+  if (last_progress_ > waited_since) return false;
+  return (is_behind_ && !options_.bags.unverified) || (!upcoming_ && last_published_ <= waited_since);
+}
+
+void Player::begin_again() {
+  if (++repetitions_ > kMostRepetitions) {
+    throw BagError(options_.bags.files.front() + ": the monitor has not completed the realizations from " +
+                   std::to_string(committed_) + " in " + std::to_string(kMostRepetitions) + " repetitions");
+  }
+  is_behind_ = false;
+  resumes_at_ = committed_;
+  stream_.emplace(options_.bags, is_played);
+  reading_.emplace(recorded_platoon(options_.bags));
+  upcoming_ = next();
+  if (!upcoming_) throw BagError(options_.bags.files.front() + ": has changed while it was replayed");
+  attempts_ahead_ = last_attempt_ + 1 - upcoming_->position()->attempt;
+  last_progress_ = now();
+  ROS_INFO_STREAM("the monitor has lost messages: the replay begins again with realization " << resumes_at_);
 }
 
 // The next position or input. Statistics before it are kept for the comparison at the end.
 std::optional<RecordedMessage> Player::next() {
-  std::optional<RecordedMessage> message = stream_.next();
-  for (; message && message->topic.kind == PlatoonTopic::Kind::error_statistics; message = stream_.next())
-    reading_.take(*message);
+  std::optional<RecordedMessage> message = stream_->next();
+  for (; message && message->topic.kind == PlatoonTopic::Kind::error_statistics; message = stream_->next())
+    reading_->take(*message);
   return message;
 }
 
 void Player::require_as_recorded() const {
-  const std::vector<std::string> changed = reading_.changed_figures();
+  const std::vector<std::string> changed = reading_->changed_figures();
   if (!changed.empty()) throw BagError(options_.bags.files.front() + ": error_statistics: " + changed.front());
 }
 

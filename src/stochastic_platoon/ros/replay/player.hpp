@@ -27,6 +27,10 @@ struct PlayerOptions {
 /// message is held back until the whole recording is verified: a replay of a damaged bag never completes, and ends with
 /// a BagError.
 ///
+/// If the monitor has lost messages, as one that was killed, the replay begins again with the first batch that is not
+/// complete, under a newer attempt. It ends with a BagError if ten repetitions complete no batch. An endless recording
+/// and one without its beginning are not repeated.
+///
 /// Subscribes: progress (stochastic_platoon/Progress). Publishes: `vehicle_<i>/position` (stochastic_platoon/Position).
 /// Service: ~pause_playback (std_srvs/SetBool), as in rosbag play.
 class Player {
@@ -40,6 +44,8 @@ private:
   void play();
   std::optional<RecordedMessage> next();
   void require_as_recorded() const;
+  bool is_lost() const;
+  void begin_again();
   double since_first(const stochastic_platoon::Position& message) const;
   bool may_publish(const stochastic_platoon::Position& message) const;
 
@@ -47,13 +53,20 @@ private:
   BatchSchedule schedule_;
   std::int64_t window_;
   PlayerOptions options_;
-  BagStream stream_;
-  RunReading reading_;                       ///< of all messages read, published or not
+  std::optional<BagStream> stream_;
+  std::optional<RunReading> reading_;        ///< of all messages read, published or not
   std::optional<RecordedMessage> upcoming_;  ///< a position
   std::map<std::pair<PlatoonTopic::Kind, std::size_t>, ros::Publisher> played_;  ///< by kind and vehicle
   bool heard_ = false;                                                           ///< the monitor has reported
   std::int64_t acknowledged_ = 0;                                                ///< steps
-  double last_progress_ = 0.0;                                                   ///< [s]
+  std::uint64_t committed_ = 0;       ///< realizations that the monitor has completed
+  double last_progress_ = 0.0;        ///< [s]
+  double last_published_ = 0.0;       ///< [s]
+  bool is_behind_ = false;            ///< the monitor has reported that it has lost messages
+  std::uint64_t resumes_at_ = 0;      ///< realizations before are not published again
+  std::uint32_t attempts_ahead_ = 0;  ///< attempt of this replay minus the recorded one
+  std::uint32_t last_attempt_ = 0;    ///< latest attempt published
+  unsigned repetitions_ = 0;          ///< since the monitor has completed a batch
   ros::Time first_stamp_;
   std::optional<double> began_;      ///< [s] wall time of first_stamp_; moves on while paused
   std::optional<double> paused_at_;  ///< [s]
