@@ -64,6 +64,20 @@ class RecordAndReplay(BagTest):
         terminal.wait(60)
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
 
+    def test_a_platoon_time_that_went_back_in_the_run_leaves_nothing_out(self):
+        # As after a kill of all nodes that know it.
+        self.record(followers=2, steps=20, realizations=40, batch=10)
+        back = self.path("back.bag")
+        with rosbag.Bag(self.bag) as source, rosbag.Bag(back, "w") as changed:
+            for topic, message, time_of in source.read_messages():
+                if getattr(message, "first_realization", 30) < 30:
+                    message.header.stamp.secs += 1000
+                if not topic.endswith("/checksum"):
+                    changed.write(topic, message, time_of)
+        again = self.path("again")
+        self.run_to_the_end("replay.launch", bag=back, unverified=True, output=again)
+        self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
+
     def test_a_split_recording_is_read_as_one(self):
         self.record(followers=5, steps=50, realizations=4000, batch=250, record_split_mb=4)
         parts = sorted(name for name in os.listdir(self.folder) if name.endswith(".bag"))

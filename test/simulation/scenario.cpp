@@ -211,16 +211,17 @@ private:
     Process& process = *all[fault.which % all.size()];
     switch (fault.kind) {
       case FaultKind::kill:
+        if (fault.which / 11 % 16 == 0) {
+          note("all of the launch");
+          for (const auto& each : roslaunch_.launched()) kill(*each);
+          return;
+        }
+        return kill(process);
       case FaultKind::stop:
         if (!process.runs()) return;
         note(process.name());
-        if (fault.kind == FaultKind::kill)
-          process.kill();
-        else
-          process.stop();
-        if (!process.is_required()) return roslaunch_.respawn(process);
-        is_interrupted_ = true;
-        return;
+        process.stop();
+        return restart(process);
       case FaultKind::pause:
         if (!process.runs()) return;
         note(process.name());
@@ -246,6 +247,20 @@ private:
     }
   }
 
+  void kill(Process& process) {
+    if (!process.runs()) return;
+    note(process.name());
+    process.kill();
+    restart(process);
+  }
+
+  void restart(Process& process) {
+    if (process.is_required())
+      is_interrupted_ = true;
+    else
+      roslaunch_.respawn(process);
+  }
+
   // Not within the callback of a node, which would end with the exception.
   void fail(const std::string& what) {
     world_.after(0.0, nullptr, [what] { throw Failure(what); });
@@ -269,10 +284,7 @@ private:
     if (!world_.happens(0.3)) return;
     world_.after(world_.uniform(0.0, 0.05), nullptr, [this] {
       for (Process* const process : roslaunch_.processes()) {
-        if (process->program() != Process::Program::monitor || !process->runs()) continue;
-        note("the monitor is killed after its answer");
-        process->kill();
-        roslaunch_.respawn(*process);
+        if (process->program() == Process::Program::monitor) kill(*process);
       }
     });
   }

@@ -31,7 +31,8 @@ Vector filled(const MeanVehicle::Sequence& values) {
 class Wire {
 public:
   Wire(const Input& input, double period, Eigen::Index count)
-      : signal_(input.signal), delay_(input.delay()), period_(period), noise_(Matrix::Zero(count, count)) {
+      : delay_(input.delay()), noise_(Matrix::Zero(count, count)) {
+    if (is_difference(input.signal)) difference_ = difference(input.signal, period);
     const LinkModel& link = input.link;
     const Vector colour = filled(filtered_impulse(link.noise_filter, static_cast<std::size_t>(count) - 1));
     const long double variance = input.noise_variance, step = link.quantisation_step;
@@ -48,14 +49,13 @@ public:
 
   /// What arrives of the positions, or of the inputs, of the source: one row per step.
   Matrix arriving(const Matrix& source) const {
-    if (!is_difference(signal_)) return delayed(source);
+    if (!difference_) return delayed(source);
     Matrix change = source;
-    for (int order = 0; order < (signal_ == InputSignal::speed ? 1 : 2); ++order) {
-      for (Eigen::Index a = change.rows() - 1; a > 0; --a)
-        change.row(a) = (change.row(a) - change.row(a - 1)) / period_;
+    for (int order = 0; order < difference_->order; ++order) {
+      for (Eigen::Index a = change.rows() - 1; a > 0; --a) change.row(a) -= change.row(a - 1);
       change.row(0).setZero();
     }
-    return delayed(change);
+    return static_cast<long double>(difference_->factor) * delayed(change);
   }
 
   const Matrix& noise() const { return noise_; }
@@ -67,9 +67,8 @@ private:
     return result;
   }
 
-  InputSignal signal_;
+  std::optional<Signal> difference_ = {};
   Eigen::Index delay_;
-  long double period_;
   Matrix noise_;  ///< covariance
 };
 

@@ -11,19 +11,10 @@ namespace {
 
 using Sequence = MeanVehicle::Sequence;
 
-// What an input carries of the motion of its source at an index, which counts from step -1.
-long double carried(const Input& input, const Motion& source, std::size_t at, long double period) {
-  const auto y = [&](std::size_t back) { return source.position[at > back ? at - back : 0]; };
-  switch (input.signal) {
-    case InputSignal::position:
-      return y(0);
-    case InputSignal::speed:
-      return (y(0) - y(1)) / period;
-    case InputSignal::acceleration:
-      return (y(0) - 2.0L * y(1) + y(2)) / (period * period);
-    default:
-      return source.input[at];
-  }
+// What an input carries of the motion of its source.
+Sequence carried(const Input& input, const Motion& source, double period) {
+  if (is_difference(input.signal)) return signal_values(difference(input.signal, period), {}, source);
+  return input.signal == InputSignal::position ? source.position : source.input;
 }
 
 }  // namespace
@@ -81,10 +72,8 @@ Motion SourceResponses::response(std::size_t follower, const std::vector<Motion>
     Sequence& sum = input.signal == InputSignal::position ? used.position : used.input;
     const long double gain = plain ? 1.0 : input.gain;
     const auto delay = static_cast<std::size_t>(input.delay());
-    for (std::size_t k = 0; k < count_; ++k) {
-      const std::size_t at = k > delay ? k - delay : 0;
-      sum[k] += gain * (is_noisy ? source->impulse[at] : carried(input, all[from], at, model_.sample_period));
-    }
+    const Sequence sent = is_noisy ? source->impulse : carried(input, all[from], model_.sample_period);
+    for (std::size_t k = 0; k < count_; ++k) sum[k] += gain * sent[k > delay ? k - delay : 0];
   }
   return responding(used);
 }

@@ -78,7 +78,8 @@ void Player::receive(const Progress::ConstPtr& message) {
   play();
 }
 
-// [s]. A ros::Duration would throw beyond 68 years, and the stamps of a bag may be further apart.
+// [s]. Negative after all nodes of the recorded run were killed at once, as nobody knew its platoon time any more. A
+// ros::Duration would throw beyond 68 years, and the stamps of a bag may be further apart.
 double Player::since_first(const Position& message) const {
   return message.header.stamp.toSec() - first_stamp_.toSec();
 }
@@ -100,7 +101,8 @@ void Player::play() {
   while (upcoming_ && may_publish(*upcoming_->position())) {
     const auto played = played_.find({upcoming_->topic.kind, upcoming_->topic.vehicle});
     const Position::Ptr position = upcoming_->position();
-    const bool left_out = since_first(*position) < options_.start || position->first_realization < resumes_at_;
+    const bool left_out =
+        (options_.start > 0.0 && since_first(*position) < options_.start) || position->first_realization < resumes_at_;
     reading_->take(*upcoming_);
     upcoming_ = next();
     if (!upcoming_) require_as_recorded();
