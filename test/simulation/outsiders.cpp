@@ -26,7 +26,10 @@ bool Observer::complete() const {
 }
 
 void Observer::receive(const Progress::ConstPtr& message) {
-  if (message->receiver == "monitor" && message->notice == Progress::NONE) latest_ = *message;
+  if (message->receiver == "monitor" && message->notice == Progress::NONE) {
+    latest_ = *message;
+    heard_ = node_.world().now();
+  }
   const auto found = finished_.find(message->receiver);
   if (message->run == run_ && found != finished_.end()) found->second = message->finished;
 }

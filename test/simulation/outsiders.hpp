@@ -20,8 +20,10 @@ public:
   Observer(World& world, const Configuration& configuration);
 
   bool complete() const;
-  /// Whether the monitor has received this step of an endless run.
-  bool has(std::uint64_t run, std::int64_t step) const { return latest_.run == run && latest_.step >= step; }
+  /// Whether the monitor has reported, after a time [s], that it has received this step of an endless run.
+  bool has(std::uint64_t run, std::int64_t step, double since) const {
+    return latest_.run == run && latest_.step >= step && heard_ > since;
+  }
 
 private:
   void receive(const stochastic_platoon::Progress::ConstPtr& message);
@@ -30,6 +32,7 @@ private:
   std::uint64_t run_;
   std::map<std::string, bool> finished_;
   stochastic_platoon::Progress latest_;  ///< of the monitor's reports
+  double heard_ = 0.0;                   ///< [s] its arrival
   ros::Subscriber progress_;
 };
 

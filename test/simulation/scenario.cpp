@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kPatience = 300.0;          // [s] from the last fault to the end of a run
+constexpr double kCalm = 1.0;                // [s] from the last fault, as reports of a killed monitor arrive later
 constexpr std::uint32_t kMostFollowers = 4;  // of any launch
 
 /// A run that ends for a reason that is no fault of a simulated thing.
@@ -118,7 +119,7 @@ private:
     runs_ = {*configuration_};
     faults_left_ = 2 + random_() % 15;
     const bool complete = carry_out(platoon_nodes(), [this] {
-      return faults_left_ == 0 && observer_->has(run_identity(runs_.back()), kEndlessSteps);
+      return faults_left_ == 0 && observer_->has(run_identity(runs_.back()), kEndlessSteps, last_fault_ + kCalm);
     });
     faults_left_.reset();
     if (complete && !fs::exists(runs_.back().run.output + "/statistics.csv"))
