@@ -127,16 +127,6 @@ void LinkedResponses::visit_means(const Visitor& visit) const {
   }
 }
 
-void LinkedResponses::visit_downstream(std::size_t place, Motion motion, const Visitor& visit) const {
-  MeanVehicle::Passed passed{{}, std::move(motion)};
-  visit(place, Sequence(steps_ + 1, 0.0L), passed);
-  for (std::size_t i = place + 1; i < followers_; ++i) {
-    const Motion predecessor = std::move(passed.own);
-    passed = vehicle(i)(predecessor);
-    visit(i, predecessor.position, passed);
-  }
-}
-
 LinkedResponses::Means LinkedResponses::means() const {
   Means result;
   visit_means([&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
@@ -153,14 +143,19 @@ LinkedResponses::Means LinkedResponses::means() const {
 
 Responses LinkedResponses::downstream(std::size_t place, Motion motion) const {
   Responses responses;
-  const auto append = [&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
-    responses.error.push_back(squares(vehicle(i).error(predecessor, passed.own.position)));
+  Motion predecessor{Sequence(steps_ + 1, 0.0L), {}};
+  MeanVehicle::Passed passed{{}, std::move(motion)};
+  for (std::size_t i = place; i < followers_; ++i) {
+    if (i > place) {
+      predecessor = std::move(passed.own);
+      passed = vehicle(i)(predecessor);
+    }
+    responses.error.push_back(squares(vehicle(i).error(predecessor.position, passed.own.position)));
     for (std::size_t link = 0; link < passed.innovation.size(); ++link) {
       const bool loses = link < vehicle(i).links() && vehicle(i).variance_factor(link) > 0.0;
       responses.innovation[link].push_back(loses ? squares(passed.innovation[link]) : Values());
     }
-  };
-  visit_downstream(place, std::move(motion), append);
+  }
   return responses;
 }
 

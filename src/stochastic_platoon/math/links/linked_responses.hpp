@@ -57,9 +57,6 @@ public:
   /// Visits all followers with their mean motions.
   void visit_means(const Visitor& visit) const;
 
-  /// Visits the follower at `place`, a source that sends `motion` in response, and all behind it.
-  void visit_downstream(std::size_t place, Motion motion, const Visitor& visit) const;
-
   /// Squared responses down the string, given the `motion` that the source's own vehicle at `place` sends in response.
   Responses downstream(std::size_t place, Motion motion) const;
 

@@ -12,7 +12,7 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
-#include "stochastic_platoon/math/string/hearing_moments.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
 
 namespace platoon {
 
@@ -143,7 +143,7 @@ ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std
   if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
   if (needs_chain_moments(model)) return chain_error_moments(model, followers, steps);
   if (!hears_predecessors_only(model)) {
-    SignalMoments errors = std::move(hearing_moments(model, {}, followers, steps).front());
+    SignalMoments errors = hearing_error_moments(model, followers, steps);
     return {steps, followers, std::move(errors.mean), std::move(errors.variance)};
   }
   if (start_slope(model) != 0.0) {

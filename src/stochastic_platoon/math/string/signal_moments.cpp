@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/linked_responses.hpp"
-#include "stochastic_platoon/math/links/mean_vehicle.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
-#include "stochastic_platoon/math/string/hearing_moments.hpp"
+#include "stochastic_platoon/math/simulation/trajectory.hpp"
+#include "stochastic_platoon/math/string/source_responses.hpp"
 
 namespace platoon {
 
@@ -17,94 +17,126 @@ namespace {
 
 using Sequence = MeanVehicle::Sequence;
 
-class SignalTables {
+/// Adds to the moments of signals, one list per follower, what the sources of a string whose links do not lose cause.
+class SourceMoments {
 public:
-  SignalTables(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers,
-               std::size_t steps)
-      : responses_(model, followers, steps), followers_(followers), steps_(steps), moments_(names.size()) {
-    for (std::size_t i = 1; i <= followers; ++i) signals_.push_back(signals_of(model, names, i).requested);
-    for (std::size_t s = 0; s < names.size(); ++s) {
-      moments_[s].variance.assign(followers * steps, 0.0);
-      if (names[s] == kGap) moments_[s].covariance_with_previous.assign(followers * steps, 0.0);
+  SourceMoments(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals, std::size_t steps)
+      : signals_(signals), steps_(steps), responses_(model, signals.size(), steps) {}
+
+  void operator()(std::vector<SignalMoments>& moments) const {
+    for (SignalMoments& each : moments) each.variance.assign(signals_.size() * steps_, 0.0);
+    for (std::size_t i = 1; i <= std::min(signals_.size(), responses_.different().count()); ++i) {
+      for (const SourceResponses::Source& source : responses_.sources(i)) add(source, moments);
     }
   }
 
-  std::vector<SignalMoments> operator()() {
-    responses_.visit_means([this](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
-      for (std::size_t s = 0; s < moments_.size(); ++s) {
-        const Signal& signal = signals_[i][s];
-        const double apart = signal.relative ? responses_.model(i).standstill_distance - signal.offset : 0.0;
-        const Sequence values = signal_values(signal, predecessor, passed.own);
-        for (std::size_t a = 1; a < values.size(); ++a)
-          moments_[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));
-      }
-    });
-    for (std::size_t place = 0; place < std::min(responses_.period(), followers_); ++place) add_sources(place);
-    return std::move(moments_);
-  }
-
 private:
-  // Adds the noises and the initial positions of the vehicles at `place` and its repetitions.
-  void add_sources(std::size_t place) {
-    const VehicleModel& vehicle = responses_.model(place);
-    for (std::size_t link = 0; link < vehicle.inputs.size(); ++link)
-      add_noise(place, link, vehicle.inputs[link].link, vehicle.inputs[link].noise_variance);
-    const double placed = vehicle.initial_position.variance;
-    if (placed > 0.0) add_source(place, responses_.vehicle(place).free_motion(steps_), placed, false);
-  }
-
-  void add_noise(std::size_t place, std::size_t link, const LinkModel& model, double variance) {
-    if (variance == 0.0) return;
-    const Sequence sent =
-        model.has_white_noise() ? responses_.impulse() : responses_.filtered_impulse(model.noise_filter);
-    add_source(place, responses_.vehicle(place).over_link(link, sent).own, variance, true);
-  }
-
-  // A follower has the shares of the sources 0, M, 2 M, ... vehicles nearer to the front, M the length of the pattern.
-  void add_source(std::size_t place, Motion motion, double variance, bool is_noise) {
-    const std::size_t period = responses_.period();
-    std::vector<std::vector<ResponseProducts>> sums(period);  // of the last M followers, one entry per signal
-    const auto add = [&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
+  // A follower hears a source, and those whole patterns farther back from the same distance: it has their shares, too.
+  void add(const SourceResponses::Source& source, std::vector<SignalMoments>& moments) const {
+    const DifferentFollowers& different = responses_.different();
+    const std::size_t period = source.follower > different.alone ? different.period : signals_.size();
+    std::vector<std::vector<ResponseProducts>> sums(period);  // of the last followers, one entry per signal
+    responses_.visit(source, [&](std::size_t i, const Sequence& predecessor, const Motion& own) {
       std::vector<ResponseProducts>& before = sums[i % period];
-      for (std::size_t s = 0; s < moments_.size(); ++s) {
-        const ResponseProducts share(signal_values(signals_[i][s], predecessor, passed.own), is_noise);
+      for (std::size_t s = 0; s < moments.size(); ++s) {
+        const ResponseProducts share(signal_values(signals_[i - 1][s], predecessor, own), source.input.has_value());
         if (before.size() == s) {
           before.push_back(share);
         } else {
           before[s].add(share);
         }
-        add_to(moments_[s].variance, i, before[s].variance, variance);
-        if (!moments_[s].covariance_with_previous.empty())
-          add_to(moments_[s].covariance_with_previous, i, before[s].covariance, variance);
+        add_to(moments[s].variance, i, before[s].variance, source.variance);
+        if (!moments[s].covariance_with_previous.empty())
+          add_to(moments[s].covariance_with_previous, i, before[s].covariance, source.variance);
       }
-    };
-    responses_.visit_downstream(place, std::move(motion), add);
+    });
   }
 
   void add_to(std::vector<double>& cells, std::size_t i, const Sequence& sums, double variance) const {
     for (std::size_t k = 0; k < steps_; ++k)
-      cells[i * steps_ + k] += static_cast<double>(static_cast<long double>(variance) * sums[k]);
+      cells[(i - 1) * steps_ + k] += static_cast<double>(static_cast<long double>(variance) * sums[k]);
   }
 
-  LinkedResponses responses_;
-  std::size_t followers_, steps_;
-  std::vector<std::vector<Signal>> signals_;  ///< per follower
-  std::vector<SignalMoments> moments_;
+  const std::vector<std::vector<Signal>>& signals_;  ///< per follower
+  std::size_t steps_;
+  SourceResponses responses_;
 };
+
+// Of these names or, without names, the tracking error.
+std::vector<std::vector<Signal>> signals_by_follower(const PlatoonModel& model, const std::vector<std::string>& names,
+                                                     std::size_t followers) {
+  std::vector<std::vector<Signal>> all;
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const FollowerSignals of = signals_of(model, names, i);
+    all.push_back(names.empty() ? std::vector<Signal>{of.error} : of.requested);
+  }
+  return all;
+}
+
+// Means in a string whose vehicles hear their predecessors only.
+void add_linked_means(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals, std::size_t steps,
+                      std::vector<SignalMoments>& moments) {
+  const LinkedResponses responses(model, signals.size(), steps);
+  responses.visit_means([&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
+    for (std::size_t s = 0; s < moments.size(); ++s) {
+      const Signal& signal = signals[i][s];
+      const double apart = signal.relative ? responses.model(i).standstill_distance - signal.offset : 0.0;
+      const Sequence values = signal_values(signal, predecessor, passed.own);
+      for (std::size_t a = 1; a < values.size(); ++a)
+        moments[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));
+    }
+  });
+}
+
+// Means in any string: the motion without noise.
+void add_quiet_means(PlatoonModel model, const std::vector<std::string>& names, std::size_t followers,
+                     std::size_t steps, std::vector<SignalMoments>& moments) {
+  for (VehicleType& type : model.types) {
+    for (Input& input : type.vehicle.inputs) {
+      input.noise_variance = 0.0;
+      input.link.quantisation_step = 0.0;
+    }
+    type.vehicle.initial_position.variance = 0.0;
+  }
+  for_each_trajectory(model, 1, followers, static_cast<std::int64_t>(steps), 0, names, [&](const Trajectory& of) {
+    if (of.signals.empty()) return;  // vehicle 0
+    for (std::size_t s = 0; s < moments.size(); ++s) {
+      const std::vector<double>& values = names.empty() ? of.signals[0] : of.signals[s + 1];
+      moments[s].mean.insert(moments[s].mean.end(), values.begin(), values.end());
+    }
+  });
+}
+
+std::vector<SignalMoments> tables(const PlatoonModel& model, const std::vector<std::string>& names,
+                                  std::size_t followers, std::size_t steps) {
+  const std::vector<std::vector<Signal>> signals = signals_by_follower(model, names, followers);
+  std::vector<SignalMoments> moments(signals.front().size());
+  for (std::size_t s = 0; s < names.size(); ++s) {
+    if (names[s] == kGap) moments[s].covariance_with_previous.assign(followers * steps, 0.0);
+  }
+  if (hears_predecessors_only(model))
+    add_linked_means(model, signals, steps, moments);
+  else
+    add_quiet_means(model, names, followers, steps, moments);
+  SourceMoments(model, signals, steps)(moments);
+  return moments;
+}
+
+void require_size(std::size_t followers, std::int64_t steps) {
+  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
+  if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
+}
 
 }  // namespace
 
 std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::vector<std::string>& names,
                                           std::size_t followers, std::int64_t steps) {
-  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
+  require_size(followers, steps);
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for signal_moments()");
-  if (!hears_predecessors_only(model)) {
-    std::vector<SignalMoments> all = hearing_moments(model, names, followers, steps);
-    all.erase(all.begin());
-    return all;
-  }
+  if (names.empty()) return {};
+  const auto count = static_cast<std::size_t>(steps);
+  if (!hears_predecessors_only(model)) return tables(model, names, followers, count);
   for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
   const bool moves = start_slope(model) != 0.0, has_input = std::count(names.begin(), names.end(), kInput) > 0;
   PlatoonModel computed = moves ? in_moving_frame(model) : model;
@@ -113,14 +145,21 @@ std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::
     if (!type.vehicle.loop.parts) throw std::invalid_argument("signal input: must be of vehicles by parts");
     type.vehicle.design->sends_input = true;
   }
-  std::vector<SignalMoments> found = SignalTables(computed, names, followers, static_cast<std::size_t>(steps))();
+  std::vector<SignalMoments> found = tables(computed, names, followers, count);
   for (std::size_t s = 0; moves && s < names.size(); ++s) {
     for (std::size_t c = 0; c < found[s].mean.size(); ++c) {
-      const std::size_t follower = c / static_cast<std::size_t>(steps) + 1;
+      const std::size_t follower = c / count + 1;
       found[s].mean[c] += steady_value(model, signals_of(model, {names[s]}, follower).requested.front(), follower);
     }
   }
   return found;
+}
+
+SignalMoments hearing_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  require_size(followers, steps);
+  if (any_link(model, [](const LinkModel& link) { return link.loses(); }))
+    throw std::invalid_argument("links: lose: must not lose for the moments of every step");
+  return tables(model, {}, followers, static_cast<std::size_t>(steps)).front();
 }
 
 }  // namespace platoon

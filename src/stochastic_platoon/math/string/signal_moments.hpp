@@ -22,12 +22,18 @@ struct SignalMoments {
 /// positions. With f_ij the response of s_i to source j of variance v_j, variance and covariance with the step before
 /// are
 /// \f[ \sum_j v_j \sum_{l \le k} f_{ij}(l)^2, \qquad \sum_j v_j \sum_{l \le k} f_{ij}(l-1) f_{ij}(l) \f]
-/// for noises, f_ij(-1) = 0, and the last term of each sum alone for initial positions. O(followers steps) time per
-/// vehicle of the pattern. 1e-11 relative; for a mean relative to the positions times the signal's factor.
+/// for noises, f_ij(-1) = 0, and the last term of each sum alone for initial positions. A source farther back than the
+/// farthest vehicle heard has the responses of the same place one pattern before: O(followers steps) time per vehicle
+/// of the pattern. Means where vehicles hear others than their predecessor are those of the same string without noise.
+/// 1e-11 relative; for a mean relative to the positions times the signal's factor.
 ///
 /// Throws std::invalid_argument unless followers >= 1, steps >= 1 and has_normal_errors(model), for an unknown name,
 /// and if a loop has no equilibrium.
 std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::vector<std::string>& names,
                                           std::size_t followers, std::int64_t steps);
+
+/// The same of the tracking errors of a string whose vehicles hear any vehicles ahead. Links may quantise. Throws
+/// std::invalid_argument unless followers >= 1 and steps >= 1, and for links that lose.
+SignalMoments hearing_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
 }  // namespace platoon

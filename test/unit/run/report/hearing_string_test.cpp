@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
-#include "stochastic_platoon/math/string/hearing_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "unit/messages.hpp"
