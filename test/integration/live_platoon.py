@@ -41,6 +41,14 @@ def wait_for(condition, what, deadline=DEADLINE):
     raise AssertionError("waited {:.0f} s in vain for {}".format(deadline * PATIENCE, what))
 
 
+def written_at(file):
+    """Modification time [ns] of a file; None if it does not exist, as a checkpoint until the new one takes its name."""
+    try:
+        return os.stat(file).st_mtime_ns
+    except OSError:
+        return None
+
+
 def free_port():
     """A free port for a master, outside the range from which the system assigns ports.
 

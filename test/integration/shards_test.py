@@ -56,8 +56,8 @@ class Shards(ShardsTest):
         before = None
         for _ in range(2):
             process = self.start("monte_carlo", "--shard", "1/3", "--output", folder, "--threads", "1", *LONG)
-            self.kill_once(process, lambda: os.path.exists(file) and os.stat(file).st_mtime_ns != before, "a checkpoint")
-            before = os.stat(file).st_mtime_ns if os.path.exists(file) else None
+            self.kill_once(process, lambda: live_platoon.written_at(file) not in (None, before), "a checkpoint")
+            before = live_platoon.written_at(file)
         said = self.shard("1/3", *LONG)
         words = said.splitlines()[-1].replace(",", "").split()
         computed, first, last = (int(words[words.index(word) + step]) for word, step in (("them", -2), ("to", -1), ("to", 1)))
@@ -124,10 +124,9 @@ class Interrupted(ShardsTest):
         """Runs a command once per signal and sends the signal after a checkpoint; returns status and output of the last run."""
         file = self.path("run", "checkpoint.cbor")
         for number in signals:
-            before = os.stat(file).st_mtime_ns if os.path.exists(file) else None
+            before = live_platoon.written_at(file)
             process = self.start("monte_carlo", "--output", self.path("run"), *LONG, *words)
-            live_platoon.wait_for(lambda: process.poll() is not None or (os.path.exists(file) and os.stat(file).st_mtime_ns != before),
-                                  "a checkpoint")
+            live_platoon.wait_for(lambda: process.poll() is not None or live_platoon.written_at(file) not in (None, before), "a checkpoint")
             self.assertIsNone(process.poll(), "it was over before it could be stopped")
             process.send_signal(number)
             said, _ = process.communicate(timeout=live_platoon.DEADLINE)

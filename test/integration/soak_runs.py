@@ -112,9 +112,9 @@ class Soak:
             return self.watch.wait(lambda: self.watch.latest[1] > committed, ended, STANDSTILL) is not None
         if group.moment == "checkpoint":
             file = os.path.join(output, "checkpoint.cbor")
-            before = changed(file)
+            before = live_platoon.written_at(file)
             limit = time.monotonic() + 3.0  # a long batch may take long to commit
-            while not ended() and time.monotonic() < limit and changed(file) == before and not os.path.exists(file + ".part"):
+            while not ended() and time.monotonic() < limit and live_platoon.written_at(file) == before and not os.path.exists(file + ".part"):
                 time.sleep(0.0005)
         return not ended()
 
@@ -187,14 +187,6 @@ def say(text):
 def assert_that(condition, otherwise):
     if not condition:
         raise AssertionError(otherwise)
-
-
-def changed(file):
-    """Modification time [ns] of a file; None if it does not exist."""
-    try:
-        return os.stat(file).st_mtime_ns
-    except OSError:
-        return None
 
 
 def with_model(settings):
