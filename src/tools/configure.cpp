@@ -180,16 +180,6 @@ void require_drive(const std::string& drive, const platoon::RunOptions& recorded
                                      ", the recorded followers; empty: all positions into the monitor"});
 }
 
-// The recorded configuration for another run, without its record, resume, rate and first_realization.
-platoon::Configuration recorded(const platoon::BagSource& bags) {
-  platoon::Configuration configuration = platoon::recorded_platoon(bags).configuration;
-  configuration.run.record.clear();
-  configuration.run.resume = false;
-  configuration.run.rate = 0.0;
-  configuration.run.first_realization = 0;
-  return configuration;
-}
-
 }  // namespace
 
 int configure_main(int argc, char** argv) {
@@ -230,15 +220,16 @@ int configure_main(int argc, char** argv) {
     if (line.has("drive") && line["bag"].find_first_not_of(' ') == std::string::npos)
       throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
     const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole, is_true(line["unverified"])};
-    if (line.has("drive")) require_drive(line["drive"], recorded(bags).run);
+    if (line.has("drive")) require_drive(line["drive"], platoon::configuration_to_repeat(bags).run);
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
     settings["output"] = absolute(settings["output"]);
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
     platoon::Configuration configuration = platoon::parse_configuration(
-        bags.files.empty() ? platoon::configuration_document(settings)
-                           : platoon::configuration_document(recorded(bags), not_empty(settings)));
+        bags.files.empty()
+            ? platoon::configuration_document(settings)
+            : platoon::configuration_document(platoon::configuration_to_repeat(bags), not_empty(settings)));
     if (line["recorded_leader"] == "true") {
       configuration.model.recorded_leader = platoon::recorded_leader(bags, configuration.run.steps);
       configuration = platoon::parse_configuration(platoon::to_json(configuration).dump());

@@ -59,7 +59,7 @@ class RecordAndReplay(BagTest):
         self.record(followers=2, steps=20, realizations=400, batch=10)
         again = self.path("again")
         terminal = self.launch("replay.launch", bag=self.bag, output=again, rate=20)  # 84 s of platoon time
-        live_platoon.wait_for(lambda: os.path.exists(again) and any(name.startswith("checkpoint") for name in os.listdir(again)), "the first checkpoint", 60)
+        live_platoon.wait_for(lambda: live_platoon.written_at(os.path.join(again, "checkpoint.cbor")), "the first checkpoint", 60)
         live_platoon.kill("/platoon/monitor", terminal.master)
         terminal.wait(60)
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))

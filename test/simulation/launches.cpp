@@ -72,22 +72,16 @@ Configuration launched(const std::map<std::string, std::string>& settings) {
 }
 
 Configuration replayed(const std::string& bag, const std::string& output) {
-  Configuration configuration = recorded_platoon({{bag}}).configuration;
-  configuration.run.record.clear();
-  configuration.run.resume = false;
-  configuration.run.rate = 0.0;
-  configuration.run.first_realization = 0;
-  return parse_configuration(configuration_document(configuration, {{"output", output}, {"launch_id", output}}));
+  return parse_configuration(
+      configuration_document(configuration_to_repeat({{bag}}), {{"output", output}, {"launch_id", output}}));
 }
 
 std::string description(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   return "launch " + run.launch_id +
-         formatted(
-             ": %zu followers, %lld steps, %llu realizations from %llu, "
-             "batches of %llu",
-             run.followers, static_cast<long long>(run.steps), static_cast<unsigned long long>(run.realizations),
-             static_cast<unsigned long long>(run.first_realization), static_cast<unsigned long long>(run.batch)) +
+         formatted(": %zu followers, %lld steps, %llu realizations from %llu, batches of %llu", run.followers,
+                   static_cast<long long>(run.steps), static_cast<unsigned long long>(run.realizations),
+                   static_cast<unsigned long long>(run.first_realization), static_cast<unsigned long long>(run.batch)) +
          (run.record.empty() ? "" : ", recorded");
 }
 

@@ -19,7 +19,7 @@ Configuration launched(const std::map<std::string, std::string>& settings);
 /// The configuration that replay.launch passes to its nodes.
 Configuration replayed(const std::string& bag, const std::string& output);
 
-/// A launch in words, for a history.
+/// Describes a launch, for a line of a history.
 std::string description(const Configuration& configuration);
 
 /// statistics.csv as monte_carlo computes it.

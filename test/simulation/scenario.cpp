@@ -119,7 +119,7 @@ private:
     runs_ = {*configuration_};
     faults_left_ = 2 + random_() % 15;
     const bool complete = carry_out(platoon_nodes(), [this] {
-      return faults_left_ == 0 && observer_->has(run_identity(runs_.back()), kEndlessSteps, last_fault_ + kCalm);
+      return faults_are_over() && observer_->has(run_identity(runs_.back()), kEndlessSteps, last_fault_ + kCalm);
     });
     faults_left_.reset();
     if (complete && !fs::exists(runs_.back().run.output + "/statistics.csv"))
@@ -191,10 +191,11 @@ private:
     stranger_.reset();
   }
 
+  bool faults_are_over() const { return next_fault_ == plan_.faults.size() || faults_left_ == 0; }
+
   /// A fault that is due between two launches waits for the next one.
   void schedule_fault() {
-    if (next_fault_ == plan_.faults.size()) faults_left_ = faults_left_ ? 0 : faults_left_;
-    if (next_fault_ == plan_.faults.size() || faults_left_ == 0) return;
+    if (faults_are_over()) return;
     world_.after(std::max(due_ - world_.now(), 0.0), nullptr, [this, launch = roslaunch_.number()] {
       if (!roslaunch_.is_up() || is_interrupted_ || launch != roslaunch_.number()) return;
       last_fault_ = world_.now();
@@ -214,15 +215,12 @@ private:
       case FaultKind::kill:
         if (fault.which / 11 % 16 == 0) {
           note("all of the launch");
-          for (const auto& each : roslaunch_.launched()) kill(*each);
+          for (const auto& each : roslaunch_.launched()) end(*each, true);
           return;
         }
-        return kill(process);
+        return end(process, true);
       case FaultKind::stop:
-        if (!process.runs()) return;
-        note(process.name());
-        process.stop();
-        return restart(process);
+        return end(process, false);
       case FaultKind::pause:
         if (!process.runs()) return;
         note(process.name());
@@ -248,14 +246,13 @@ private:
     }
   }
 
-  void kill(Process& process) {
+  void end(Process& process, bool killed) {
     if (!process.runs()) return;
     note(process.name());
-    process.kill();
-    restart(process);
-  }
-
-  void restart(Process& process) {
+    if (killed)
+      process.kill();
+    else
+      process.stop();
     if (process.is_required())
       is_interrupted_ = true;
     else
@@ -285,7 +282,7 @@ private:
     if (!world_.happens(0.3)) return;
     world_.after(world_.uniform(0.0, 0.05), nullptr, [this] {
       for (Process* const process : roslaunch_.processes()) {
-        if (process->program() == Process::Program::monitor) kill(*process);
+        if (process->program() == Process::Program::monitor) end(*process, true);
       }
     });
   }
@@ -311,12 +308,10 @@ private:
   Machine machine_;
   World world_;
   Roslaunch roslaunch_;
-  double began_ = 0.0, last_fault_ = 0.0,
-         due_ = 0.0;  // [s]; due_: the next fault
+  double began_ = 0.0, last_fault_ = 0.0, due_ = 0.0;  // [s]; due_: the next fault
   Outcome outcome_;
   std::size_t next_fault_ = 0;
-  int launches_ = 0,
-      errors_ = 0;  // launches_: without the resumed ones and the replays
+  int launches_ = 0, errors_ = 0;  // launches_: without the resumed ones and the replays
   bool is_interrupted_ = false, lost_power_ = false;
   std::vector<Configuration> runs_;         ///< of an endless launch, one for each change
   bool changes_ = false;                    ///< whether orders change the run; else they are for the leader

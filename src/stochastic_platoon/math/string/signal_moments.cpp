@@ -7,7 +7,6 @@
 #include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/simulation/trajectory.hpp"
 #include "stochastic_platoon/math/string/source_responses.hpp"
 
@@ -17,7 +16,8 @@ namespace {
 
 using Sequence = MeanVehicle::Sequence;
 
-/// Adds to the moments of signals, one list per follower, what the sources of a string whose links do not lose cause.
+/// The variances of signals, one list of signals per follower, as sums over the sources of a string whose links do not
+/// lose.
 class SourceMoments {
 public:
   SourceMoments(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals, std::size_t steps)
@@ -62,7 +62,7 @@ private:
   SourceResponses responses_;
 };
 
-// Of these names or, without names, the tracking error.
+// The signals of these names; if there are none, the tracking error.
 std::vector<std::vector<Signal>> signals_by_follower(const PlatoonModel& model, const std::vector<std::string>& names,
                                                      std::size_t followers) {
   std::vector<std::vector<Signal>> all;

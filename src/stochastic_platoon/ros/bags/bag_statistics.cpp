@@ -22,6 +22,15 @@ Configuration parse_recorded(const std::string& file, const std::string& text) {
 
 }  // namespace
 
+Configuration configuration_to_repeat(const BagSource& source) {
+  Configuration configuration = recorded_platoon(source).configuration;
+  configuration.run.record.clear();
+  configuration.run.resume = false;
+  configuration.run.rate = 0.0;
+  configuration.run.first_realization = 0;
+  return configuration;
+}
+
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps) {
   BagStream stream(source, [](const PlatoonTopic& topic) {
     return topic.kind == PlatoonTopic::Kind::position && topic.vehicle == 0;

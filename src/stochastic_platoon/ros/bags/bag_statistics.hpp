@@ -22,6 +22,10 @@ BagStatistics statistics_of_bags(const BagSource& source,
 /// version of this package.
 RecordedPlatoon recorded_platoon(const BagSource& source);
 
+/// The configuration in the bags for another run: without its record, resume, rate and first_realization. Throws
+/// BagError as recorded_platoon() does.
+Configuration configuration_to_repeat(const BagSource& source);
+
 /// y_0(-1) .. y_0(steps - 1) [m] as recorded: the leader's positions in the first batch of the bags. Throws BagError if
 /// there are fewer.
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps);

@@ -78,8 +78,8 @@ void Player::receive(const Progress::ConstPtr& message) {
   play();
 }
 
-// [s]. Negative after all nodes of the recorded run were killed at once, as nobody knew its platoon time any more. A
-// ros::Duration would throw beyond 68 years, and the stamps of a bag may be further apart.
+// [s]. Negative if all nodes of the recorded run were killed at once: the platoon time then goes back. A ros::Duration
+// would throw beyond 68 years, and the stamps of a bag may be further apart.
 double Player::since_first(const Position& message) const {
   return message.header.stamp.toSec() - first_stamp_.toSec();
 }
