@@ -16,6 +16,7 @@ from watching import server, state  # noqa: E402
 
 SIZES = ((1366, 768), (390, 844))
 BURN_IN = 200
+DRAWN = "return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"  # resolved when the page has drawn
 
 
 class Fed(unittest.TestCase):
@@ -84,9 +85,10 @@ class Fed(unittest.TestCase):
             with self.subTest(width=width):
                 self.browser.show_as(width, height)
                 self.wait_for_page("innerWidth == {}".format(width), "the size")
+                self.browser.run(DRAWN)
                 yield width
                 self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
                 if os.environ.get("PICTURES"):
-                    self.browser.run("return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+                    self.browser.run(DRAWN)
                     self.browser.picture(os.path.join(os.environ["PICTURES"], "{}-{}.png".format(name, width)))
         self.assertEqual(self.browser.complaints(), [])

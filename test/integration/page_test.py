@@ -189,11 +189,14 @@ class States(Fed):
             self.text_comes("#conduct", "The cars: follower 3 overlaps the vehicle ahead")
             self.text_comes("#body-length", "gap below 0, vehicles without length")
             self.wait_for_page("document.getElementById('road').dataset.overlaps === '3'", "the mark")
-            # Only those that overlap are drawn so.
-            bodies = self.browser.run("return JSON.parse(document.getElementById('road').dataset.places)")
-            touching = [i + 1 for i, ((x, lane, long), (behind, same, other)) in enumerate(zip(bodies, bodies[1:]))
-                        if lane == same and x - long / 2 < behind + other / 2 - 1]
-            self.assertEqual(touching, [3])
+            # Only those that overlap are drawn so, once the drawn vehicles have moved to their positions.
+            live_platoon.wait_for(lambda: self.touching() == [3], "vehicle 3 alone to touch the one ahead", 20.0)
+
+    def touching(self):
+        """The vehicles that are drawn over the one ahead."""
+        bodies = self.browser.run("return JSON.parse(document.getElementById('road').dataset.places)")
+        return [i + 1 for i, ((x, lane, long), (behind, same, other)) in enumerate(zip(bodies, bodies[1:]))
+                if lane == same and x - long / 2 < behind + other / 2 - 1]
 
     def test_what_the_cars_do_stands_beside_the_verdict(self):
         self.begin(20, vehicle_length=4.5)
