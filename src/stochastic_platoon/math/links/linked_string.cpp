@@ -25,7 +25,8 @@ Eigen::ArrayXd constant_part(const StringSpectra::Input& input, double speed) {
   Eigen::ArrayXd added = input.passed * input.noise;
   if (!input.losses) return added;
   Eigen::ArrayXd of_losses = scattered(*input.losses, input.noise);
-  if (speed != 0.0) of_losses += speed * speed * input.losses->moving();
+  const double constant_drive = speed * input.losses->slope();
+  if (speed != 0.0) of_losses += constant_drive * constant_drive * input.losses->of_constant_drive();
   return added + input.own * of_losses;
 }
 

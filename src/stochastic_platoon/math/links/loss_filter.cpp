@@ -55,14 +55,14 @@ double LossFilter::loss_factor() const {
   return q * (1.0 - q) / (1.0 - feedback_);
 }
 
-double LossFilter::mean_innovation() const {
+double LossFilter::slope() const {
   double sum = 0.0;
   for (std::size_t j = 0; j < loss_.predictor.size(); ++j) sum += static_cast<double>(j + 1) * loss_.predictor[j];
-  return sum / (1.0 - loss_.probability);
+  return sum;
 }
 
 double LossFilter::lag() const {
-  return kernel_ ? kernel_->lag() : loss_.probability * mean_innovation();
+  return kernel_ ? kernel_->lag() : loss_.probability * slope() / (1.0 - loss_.probability);
 }
 
 int LossFilter::surprise_zeros() const {

@@ -50,8 +50,8 @@ public:
   /// kappa = p q / (1 - p q ||L F||^2) of independent losses: E w^2 over the E e^2 without the feedback of w.
   double loss_factor() const;
 
-  /// (c_1 + 2 c_2 + ...) / p: the mean of the e of independent losses if the sent value grows by 1 per step.
-  double mean_innovation() const;
+  /// c_1 + 2 c_2 + ...: what the prediction of a value lacks that grows by 1 per step.
+  double slope() const;
 
   /// Mean lag of a signal that grows steadily [steps].
   double lag() const;

@@ -39,12 +39,11 @@ SpectralNodes::SpectralNodes(Quadrature quadrature)
 }
 
 LossScatter::LossScatter(const LossFilter& losses, const SpectralNodes& nodes)
-    : weight_(nodes.weight), moving_(nodes.count()), innovation_(nodes.count()) {
+    : slope_(losses.slope()), weight_(nodes.weight), of_constant_drive_(nodes.count()), innovation_(nodes.count()) {
   if (losses.kernel() != nullptr) {
     add_chain(*losses.kernel(), nodes);
     return;
   }
-  const double ebar = losses.mean_innovation();
   returned_.resize(nodes.count());
   for (Eigen::Index k = 0; k < nodes.count(); ++k) {
     const CirclePoint& point = nodes.points[static_cast<std::size_t>(k)];
@@ -53,7 +52,8 @@ LossScatter::LossScatter(const LossFilter& losses, const SpectralNodes& nodes)
     innovation_(k) = values.innovation;
     returned_(k) = losses.loss_factor() * values.returned;
   }
-  moving_ = ebar * ebar * returned_;
+  const auto at_rest = static_cast<double>(losses.registers().front());  // 1 / F
+  of_constant_drive_ = returned_ / (at_rest * at_rest);
 }
 
 void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes) {
@@ -61,8 +61,8 @@ void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes
   itself_ = kernel.itself();
   const auto memories = static_cast<Eigen::Index>(memories_.size());
   for (Eigen::MatrixXcd* values : {&recalling_, &remembered_, &mirrored_}) values->resize(nodes.count(), memories);
-  outward_.resize(nodes.count(), itself_.size());
-  scattered_.resize(itself_.size(), nodes.count());
+  for (Eigen::MatrixXd* values : {&outward_, &odd_outward_}) values->resize(nodes.count(), itself_.size());
+  for (Eigen::MatrixXd* values : {&scattered_, &odd_scattered_}) values->resize(itself_.size(), nodes.count());
   const LossKernel::Value constant = kernel.at(0.0);
   for (Eigen::Index k = 0; k < nodes.count(); ++k) {
     check_interruption();
@@ -70,12 +70,14 @@ void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes
     const LossKernel::Value value = kernel.at(w);
     effects_.push_back(LossFilter::Value::of_missing(value.missing()));
     innovation_(k) = std::norm(value.surprise);
-    moving_(k) = kernel.slope() * kernel.slope() * kernel.kernel(value, w, constant, 0.0);
+    of_constant_drive_(k) = kernel.kernel(value, w, constant, 0.0);
     recalling_.row(k) = value.recalling.transpose();
     remembered_.row(k) = value.remembered.transpose();
     mirrored_.row(k) = value.mirrored.transpose();
     outward_.row(k) = 2.0 * value.outward.real().transpose();
+    odd_outward_.row(k) = -2.0 * value.outward.imag().transpose();
     scattered_.col(k) = value.scattered.real();
+    odd_scattered_.col(k) = value.scattered.imag();
   }
   if (!nodes.equally_spaced && !memories_.empty()) add_memory(nodes);
 }
@@ -105,21 +107,22 @@ void LossScatter::add_memory(const SpectralNodes& nodes) {
 }
 
 // < b_m(nu) driven(nu) y_m / (1 - y_m) >_nu: on equally spaced nodes a circular convolution with the powers of
-// lambda_m.
-Eigen::ArrayXd LossScatter::recalled(const Eigen::ArrayXd& driven) const {
+// lambda_m. mirror_image: driven(-nu) / driven(nu), 1 or -1.
+Eigen::ArrayXd LossScatter::recalled(const Eigen::ArrayXd& driven, double mirror_image) const {
   const Eigen::Index half = driven.size(), n = 2 * half;
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(half);
   Eigen::VectorXcd values(n), lags(n);
   for (std::size_t m = 0; m < memories_.size(); ++m) {
     const auto column = static_cast<Eigen::Index>(m);
     values.head(half) = (remembered_.col(column).array() * driven).matrix();
-    values.tail(half) = (mirrored_.col(column).array() * driven).matrix().reverse();
+    values.tail(half) = mirror_image * (mirrored_.col(column).array() * driven).matrix().reverse();
     fft_.inv(lags, values);
-    DoubleComplex power = std::pow(memories_[m], static_cast<double>(n));
-    const DoubleComplex all = 1.0 - power;
-    for (Eigen::Index t = 0; t < n; ++t) {
-      lags(t) *= power / all;
-      power = t == 0 ? memories_[m] : power * memories_[m];
+    const DoubleComplex all = std::pow(memories_[m], static_cast<double>(n));
+    DoubleComplex power = 1.0 / (1.0 - all);
+    lags(0) *= all * power;
+    for (Eigen::Index t = 1; t < n; ++t) {
+      power = product(power, memories_[m]);
+      lags(t) = product(lags(t), power);
     }
     fft_.fwd(values, lags);
     sum += 2.0 * (recalling_.col(column).array() * values.head(half).array()).real();
@@ -142,6 +145,16 @@ Eigen::MatrixXd LossScatter::operator()(const Eigen::Ref<const Eigen::MatrixXd>&
   } else if (!memories_.empty()) {
     for (Eigen::Index j = 0; j < drives.cols(); ++j) result.col(j) += recalled(drives.col(j)).matrix();
   }
+  return result;
+}
+
+// The real part of a cross spectrum is even, as a spectrum is, and the imaginary part odd.
+Eigen::ArrayXcd LossScatter::of_cross_spectrum(const Eigen::ArrayXcd& sent) const {
+  Eigen::ArrayXcd result = (*this)(drives(sent.real().matrix())).array().cast<DoubleComplex>();
+  if (returned_.size() > 0 || (sent.imag() == 0.0).all()) return result;
+  const Eigen::ArrayXd odd = innovation_ * sent.imag();
+  const Eigen::VectorXd inward = odd_scattered_ * (weight_ * odd).matrix();
+  result.imag() = (odd_outward_ * inward).array() + recalled(odd, -1.0);
   return result;
 }
 

@@ -30,14 +30,16 @@ struct SpectralNodes {
 /// The losses of one link at the nodes: what the link passes, and the spectrum that it scatters from one that is sent.
 class LossScatter {
 public:
-  /// `nodes` must outlive the object. The memory of a chain is a convolution in O(nodes log nodes) on equally spaced
-  /// nodes, and O(nodes^2) on those of a quadrature.
+  /// The memory of a chain is a convolution in O(nodes log nodes) on equally spaced nodes, and O(nodes^2) on those of a
+  /// quadrature.
   LossScatter(const LossFilter& losses, const SpectralNodes& nodes);
 
   const std::vector<LossFilter::Value>& effects() const { return effects_; }  ///< at each node
 
-  /// The spectrum that a motion of 1 m per step scatters.
-  const Eigen::ArrayXd& moving() const { return moving_; }
+  /// g(w, 0), the spectrum that a constant drive of 1 scatters. A platoon that moves v metres per step drives the
+  /// losses of a position by v slope().
+  const Eigen::ArrayXd& of_constant_drive() const { return of_constant_drive_; }
+  double slope() const { return slope_; }
 
   /// The drives of the losses, numbers >= 0: E e^2 alone for independent losses, the spectrum |u|^2 Phi at all nodes
   /// for a chain (see LossFilter, LossKernel). One column per spectrum.
@@ -47,19 +49,24 @@ public:
   /// The scattered spectrum of each column of drives: < g(w, nu) |u(nu)|^2 Phi(nu) >_nu.
   Eigen::MatrixXd operator()(const Eigen::Ref<const Eigen::MatrixXd>& drives) const;
 
+  /// The scattered cross spectrum of two signals that are lost together: < g(w, nu) |u(nu)|^2 Phi(nu) >_nu, with
+  /// Phi(-nu) the conjugate of Phi(nu). On equally spaced nodes.
+  Eigen::ArrayXcd of_cross_spectrum(const Eigen::ArrayXcd& sent) const;
+
 private:
   void add_chain(const LossKernel& kernel, const SpectralNodes& nodes);
   void add_memory(const SpectralNodes& nodes);
-  Eigen::ArrayXd recalled(const Eigen::ArrayXd& driven) const;
+  Eigen::ArrayXd recalled(const Eigen::ArrayXd& driven, double mirror_image = 1.0) const;
 
   std::vector<LossFilter::Value> effects_;
-  Eigen::ArrayXd weight_, moving_;
+  double slope_;
+  Eigen::ArrayXd weight_, of_constant_drive_;
   Eigen::ArrayXd innovation_;  ///< |(1 - L) F|^2 of independent losses, |u|^2 of a chain
   Eigen::ArrayXd returned_;    ///< kappa |F|^2; empty for a chain
   std::vector<std::complex<double>> memories_;
   Eigen::MatrixXcd recalling_, remembered_, mirrored_;  ///< a, b and b at -nu, one row per node
-  Eigen::MatrixXd outward_;                             ///< 2 Re l, one row per node
-  Eigen::MatrixXd scattered_;                           ///< Re V, one column per node
+  Eigen::MatrixXd outward_, odd_outward_;               ///< 2 Re l and -2 Im l, one row per node
+  Eigen::MatrixXd scattered_, odd_scattered_;           ///< Re V and Im V, one column per node
   Eigen::RowVectorXd itself_;                           ///< e' sum_c V_c = itself V
   /// Mean over +-nu of 2 Re sum_m a_m(w) b_m(nu) y_m / (1 - y_m), one column per w; empty on equally spaced nodes.
   Eigen::MatrixXd kernel_;

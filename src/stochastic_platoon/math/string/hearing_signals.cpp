@@ -37,7 +37,7 @@ Filters filters_of(const Signal& signal, const PlatoonModel& model, std::size_t 
   std::optional<HearingLoop> loop;
   if (signal.is_input) loop.emplace(vehicle(model, follower), follower, model.sample_period);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const CirclePoint point(spectra.frequency(k));
+    const CirclePoint& point = spectra.points()[static_cast<std::size_t>(k)];
     const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));
     filters.moved(k) = moved;
     filters.own(k) =

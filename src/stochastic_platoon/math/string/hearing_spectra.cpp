@@ -1,7 +1,6 @@
 #include "stochastic_platoon/math/string/hearing_spectra.hpp"
 
 #include <algorithm>
-#include <boost/math/constants/constants.hpp>
 #include <optional>
 
 #include "stochastic_platoon/math/links/link_filter.hpp"
@@ -14,22 +13,18 @@ namespace platoon {
 namespace {
 
 // What a lost value lacks while the platoon moves steadily.
-double steady_drive(const Input& input, const HearingScatter& losses, double speed, double period) {
+double steady_drive(const Input& input, const LossScatter& losses, double speed, double period) {
   if (input.signal == InputSignal::position) return speed * losses.slope();
-  return input.signal == InputSignal::speed && losses.forgets() ? speed / period : 0.0;
+  return input.signal == InputSignal::speed && input.link.loss->predictor.empty() ? speed / period : 0.0;
 }
 
 }  // namespace
 
 HearingSpectra::HearingSpectra(const PlatoonModel& model, std::size_t n)
-    : model_(model), n_(n), reach_(farthest_ahead(model)), speed_(metres_per_step(model)) {}
-
-double HearingSpectra::frequency(Eigen::Index k) const {
-  return 2.0 * boost::math::double_constants::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_);
-}
+    : model_(model), nodes_(n), reach_(farthest_ahead(model)), speed_(metres_per_step(model)) {}
 
 HearingSpectra::Window HearingSpectra::nothing() const {
-  return {reach_, std::vector<Eigen::ArrayXcd>(reach_, Eigen::ArrayXcd::Zero(static_cast<Eigen::Index>(n_ / 2)))};
+  return {reach_, std::vector<Eigen::ArrayXcd>(reach_, Eigen::ArrayXcd::Zero(nodes_.count()))};
 }
 
 const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) const {
@@ -39,7 +34,7 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
   if (!inserted.second) return of;
   const VehicleModel& own = platoon::vehicle(model_, follower);
   const double period = model_.sample_period;
-  const auto half = static_cast<Eigen::Index>(n_ / 2);
+  const Eigen::Index count = nodes_.count();
   const HearingLoop loop(own, follower, period);
   std::vector<LinkFilter> links;
   std::vector<std::optional<HearingLoop>> sources;  // of control inputs
@@ -53,24 +48,25 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
     if (input.signal == InputSignal::input)
       sources.back().emplace(platoon::vehicle(model_, source), std::max<std::size_t>(source, 1), period);
     of.inputs.push_back({source == 0 ? 0 : follower - source,
-                         Eigen::ArrayXcd(half),
-                         Eigen::ArrayXcd(half),
+                         Eigen::ArrayXcd(count),
+                         Eigen::ArrayXcd(count),
                          {},
-                         Eigen::ArrayXd(half),
+                         Eigen::ArrayXd(count),
                          0.0});
     if (!input.link.loss || input.link.loss->probability == 0.0) continue;
     const std::size_t first = own.losses_of(j);
-    if (first == j) of.packets.push_back({{}, scatter(*input.link.loss)});
+    if (first == j) of.packets.push_back({{}, scatter(*input.link.loss), Eigen::ArrayXcd(count)});
     const auto packet = std::find_if(of.packets.begin(), of.packets.end(), [&](const Vehicle::Packet& shared) {
       return shared.inputs.empty() || shared.inputs.front() == first;
     });
     packet->inputs.push_back(j);
     of.inputs.back().steady = steady_drive(input, *packet->losses, speed_, period);
   }
-  of.policy.resize(half);
-  for (Eigen::Index k = 0; k < half; ++k) {
+  of.policy.resize(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
     check_interruption();
-    const CirclePoint point(frequency(k));
+    const auto node = static_cast<std::size_t>(k);
+    const CirclePoint& point = nodes_.points[node];
     const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));  // 1 - 1/z
     const HearingLoop::Value value = loop.at(point);
     of.policy(k) = 1.0 + own.headway * moved;
@@ -80,25 +76,27 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
       of.inputs[j].sent(k) = std::complex<double>(sent_value(own.inputs[j], point, of_source, period));
       of.inputs[j].noise(k) = links[j].noise(point);
     }
+    for (Vehicle::Packet& packet : of.packets)
+      packet.passed(k) = std::complex<double>(packet.losses->effects()[node].passed);
   }
   for (Vehicle::Heard& input : of.inputs) input.transfer = input.own * input.sent;
   for (const Vehicle::Packet& packet : of.packets) {
-    for (const std::size_t j : packet.inputs) of.inputs[j].transfer *= packet.losses->passed();
+    for (const std::size_t j : packet.inputs) of.inputs[j].transfer *= packet.passed;
   }
   return of;
 }
 
 // Links with the same losses share their scatter.
-std::shared_ptr<const HearingScatter> HearingSpectra::scatter(const LossModel& loss) const {
+std::shared_ptr<const LossScatter> HearingSpectra::scatter(const LossModel& loss) const {
   for (const auto& known : scatters_) {
     if (known.first == loss) return known.second;
   }
-  scatters_.emplace_back(loss, std::make_shared<HearingScatter>(loss, n_));
+  scatters_.emplace_back(loss, std::make_shared<LossScatter>(LossFilter(loss), nodes_));
   return scatters_.back().second;
 }
 
 std::vector<Eigen::ArrayXcd> HearingSpectra::transfers(std::size_t follower) const {
-  std::vector<Eigen::ArrayXcd> sums(reach_, Eigen::ArrayXcd::Zero(static_cast<Eigen::Index>(n_ / 2)));
+  std::vector<Eigen::ArrayXcd> sums(reach_, Eigen::ArrayXcd::Zero(nodes_.count()));
   for (const Vehicle::Heard& input : vehicle(follower).inputs) {
     if (input.distance > 0) sums[input.distance - 1] += input.transfer;
   }
@@ -120,7 +118,7 @@ std::vector<Eigen::ArrayXd> HearingSpectra::added_by_input(std::size_t follower,
     Eigen::ArrayXd& sum = by_input[packet.inputs.front()];
     for (const std::size_t j : packet.inputs) {
       const Vehicle::Heard& one = own.inputs[j];
-      by_input[j] *= packet.losses->passed().abs2();
+      by_input[j] *= packet.passed.abs2();
       for (const std::size_t l : packet.inputs) {
         const Vehicle::Heard& other = own.inputs[l];
         Eigen::ArrayXcd sent = Eigen::ArrayXcd::Zero(sum.size());
@@ -130,8 +128,8 @@ std::vector<Eigen::ArrayXd> HearingSpectra::added_by_input(std::size_t follower,
         }
         if (j == l) sent += one.noise.cast<std::complex<double>>();
         const Eigen::ArrayXcd scattered =
-            (*packet.losses)(sent) +
-            one.steady * other.steady * packet.losses->of_steady_motion().cast<std::complex<double>>();
+            packet.losses->of_cross_spectrum(sent) +
+            one.steady * other.steady * packet.losses->of_constant_drive().cast<std::complex<double>>();
         sum += (one.own * other.own.conjugate() * scattered).real();
       }
     }

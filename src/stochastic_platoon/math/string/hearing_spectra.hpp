@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "stochastic_platoon/math/links/loss_scatter.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/string/hearing_scatter.hpp"
 
 namespace platoon {
 
-/// Spectra along a string whose vehicles hear any vehicles ahead, at the frequencies of HearingScatter. With T_j = N_j
+/// Spectra along a string whose vehicles hear any vehicles ahead, at n / 2 equally spaced nodes. With T_j = N_j
 /// T_L z^-m S_j from the position of the source of input j to the own one (S_j = 1, (1 - 1/z) / T_s, its square, or 1 /
 /// G of the source), T_ia the sum of T_j over the inputs from vehicle a, sums of a and b over the vehicles heard, and
 /// for every packet g and u of its losses (see LossKernel), \f[ \Phi_{ib} = \sum_a T_{ia} \Phi_{ab}, \qquad \Phi_{ii} =
@@ -34,7 +34,8 @@ public:
     };
     struct Packet {
       std::vector<std::size_t> inputs;
-      std::shared_ptr<const HearingScatter> losses;
+      std::shared_ptr<const LossScatter> losses;
+      Eigen::ArrayXcd passed;  ///< T_L
     };
     std::vector<Heard> inputs;
     std::vector<Packet> packets;
@@ -72,18 +73,19 @@ public:
     return pair.variance(-vehicle(follower).policy, true);
   }
 
-  /// w of each frequency.
-  double frequency(Eigen::Index k) const;
+  /// One for each node.
+  const std::vector<CirclePoint>& points() const { return nodes_.points; }
 
 private:
-  std::shared_ptr<const HearingScatter> scatter(const LossModel& loss) const;
+  std::shared_ptr<const LossScatter> scatter(const LossModel& loss) const;
 
   PlatoonModel model_;
-  std::size_t n_, reach_;
+  SpectralNodes nodes_;
+  std::size_t reach_;
   double speed_;  ///< [m] per step
   mutable std::map<std::pair<std::size_t, std::size_t>, Vehicle>
       vehicles_;  ///< by place in the pattern and near the leader
-  mutable std::vector<std::pair<LossModel, std::shared_ptr<const HearingScatter>>> scatters_;
+  mutable std::vector<std::pair<LossModel, std::shared_ptr<const LossScatter>>> scatters_;
 };
 
 }  // namespace platoon
