@@ -79,7 +79,22 @@ void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes
     scattered_.col(k) = value.scattered.real();
     odd_scattered_.col(k) = value.scattered.imag();
   }
-  if (!nodes.equally_spaced && !memories_.empty()) add_memory(nodes);
+  if (memories_.empty()) return;
+  if (nodes.equally_spaced)
+    add_decay(2 * nodes.count());
+  else
+    add_memory(nodes);
+}
+
+// Terms whose t differ by n are equal on these nodes.
+void LossScatter::add_decay(Eigen::Index n) {
+  decay_.resize(n, recalling_.cols());
+  for (Eigen::Index m = 0; m < decay_.cols(); ++m) {
+    const DoubleComplex value = memories_[static_cast<std::size_t>(m)], all = std::pow(value, static_cast<double>(n));
+    DoubleComplex power = 1.0 / (1.0 - all);
+    decay_(0, m) = all * power;
+    for (Eigen::Index t = 1; t < n; ++t) decay_(t, m) = power = product(power, value);
+  }
 }
 
 void LossScatter::add_memory(const SpectralNodes& nodes) {
@@ -112,18 +127,11 @@ Eigen::ArrayXd LossScatter::recalled(const Eigen::ArrayXd& driven, double mirror
   const Eigen::Index half = driven.size(), n = 2 * half;
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(half);
   Eigen::VectorXcd values(n), lags(n);
-  for (std::size_t m = 0; m < memories_.size(); ++m) {
-    const auto column = static_cast<Eigen::Index>(m);
+  for (Eigen::Index column = 0; column < decay_.cols(); ++column) {
     values.head(half) = (remembered_.col(column).array() * driven).matrix();
     values.tail(half) = mirror_image * (mirrored_.col(column).array() * driven).matrix().reverse();
     fft_.inv(lags, values);
-    const DoubleComplex all = std::pow(memories_[m], static_cast<double>(n));
-    DoubleComplex power = 1.0 / (1.0 - all);
-    lags(0) *= all * power;
-    for (Eigen::Index t = 1; t < n; ++t) {
-      power = product(power, memories_[m]);
-      lags(t) = product(lags(t), power);
-    }
+    lags.array() *= decay_.col(column).array();
     fft_.fwd(values, lags);
     sum += 2.0 * (recalling_.col(column).array() * values.head(half).array()).real();
   }
@@ -142,7 +150,7 @@ Eigen::MatrixXd LossScatter::operator()(const Eigen::Ref<const Eigen::MatrixXd>&
   result.rowwise() -= itself_ * inward;
   if (kernel_.size() > 0) {
     result.noalias() += kernel_.transpose() * weighted;
-  } else if (!memories_.empty()) {
+  } else if (decay_.size() > 0) {
     for (Eigen::Index j = 0; j < drives.cols(); ++j) result.col(j) += recalled(drives.col(j)).matrix();
   }
   return result;

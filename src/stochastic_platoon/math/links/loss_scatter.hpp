@@ -56,6 +56,7 @@ public:
 private:
   void add_chain(const LossKernel& kernel, const SpectralNodes& nodes);
   void add_memory(const SpectralNodes& nodes);
+  void add_decay(Eigen::Index n);
   Eigen::ArrayXd recalled(const Eigen::ArrayXd& driven, double mirror_image = 1.0) const;
 
   std::vector<LossFilter::Value> effects_;
@@ -70,6 +71,7 @@ private:
   Eigen::RowVectorXd itself_;                           ///< e' sum_c V_c = itself V
   /// Mean over +-nu of 2 Re sum_m a_m(w) b_m(nu) y_m / (1 - y_m), one column per w; empty on equally spaced nodes.
   Eigen::MatrixXd kernel_;
+  Eigen::MatrixXcd decay_;  ///< lambda_m^t / (1 - lambda_m^n), t from 1 to n, the last first; on equally spaced nodes
   mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };
 

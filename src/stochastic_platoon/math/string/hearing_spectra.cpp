@@ -116,10 +116,11 @@ std::vector<Eigen::ArrayXd> HearingSpectra::added_by_input(std::size_t follower,
   for (const Vehicle::Heard& input : own.inputs) by_input.emplace_back(input.own.abs2() * input.noise);
   for (const Vehicle::Packet& packet : own.packets) {
     Eigen::ArrayXd& sum = by_input[packet.inputs.front()];
+    for (const std::size_t j : packet.inputs) by_input[j] *= packet.passed.abs2();
     for (const std::size_t j : packet.inputs) {
       const Vehicle::Heard& one = own.inputs[j];
-      by_input[j] *= packet.passed.abs2();
       for (const std::size_t l : packet.inputs) {
+        if (l < j) continue;  // the conjugate of another
         const Vehicle::Heard& other = own.inputs[l];
         Eigen::ArrayXcd sent = Eigen::ArrayXcd::Zero(sum.size());
         if (one.distance > 0) {
@@ -130,7 +131,7 @@ std::vector<Eigen::ArrayXd> HearingSpectra::added_by_input(std::size_t follower,
         const Eigen::ArrayXcd scattered =
             packet.losses->of_cross_spectrum(sent) +
             one.steady * other.steady * packet.losses->of_constant_drive().cast<std::complex<double>>();
-        sum += (one.own * other.own.conjugate() * scattered).real();
+        sum += (l > j ? 2.0 : 1.0) * (one.own * other.own.conjugate() * scattered).real();
       }
     }
   }
