@@ -10,7 +10,7 @@ namespace platoon::simulation {
 namespace {
 
 std::string name_of(Process::Program program, std::uint32_t index) {
-  const char* const names[] = {"vehicle_0", "channel", "vehicle_", "monitor", "player", "vehicle_replay"};
+  const char* const names[] = {"vehicle_0", "channel", "vehicle_", "monitor", "platoon", "player", "vehicle_replay"};
   const bool is_follower = program == Process::Program::follower;
   return std::string(kNamespace) + "/" + names[static_cast<int>(program)] + (is_follower ? std::to_string(index) : "");
 }
@@ -56,6 +56,11 @@ void Process::construct() {
     files_ = {std::filesystem::absolute(run.output).string() + "/"};
     monitor_ = std::make_unique<Monitor>(
         platoon, *configuration, [&platoon](std::size_t) { return platoon; }, superseded());
+  } else if (program_ == Program::platoon) {
+    constexpr std::size_t kThreads = 2;  // their queues are that of the node here
+    files_ = {std::filesystem::absolute(run.output).string() + "/"};
+    if (!run.record.empty()) files_.push_back(std::filesystem::absolute(run.record).string());
+    platoon_ = std::make_unique<OneProcess>(platoon, *configuration, kThreads, superseded());
   } else if (program_ == Program::player) {
     player_ = std::make_unique<Player>(platoon, ros::NodeHandle(name_), *configuration, PlayerOptions{{{bag_}}});
   } else if (program_ == Program::vehicle_replay) {
@@ -95,6 +100,7 @@ void Process::destroy() {
     recorder_.reset();
     follower_.reset();
     monitor_.reset();
+    platoon_.reset();
     player_.reset();
     vehicle_replay_.reset();
   });
@@ -106,6 +112,7 @@ void Process::stop() {
     world_.as(node_.get(), [this] {
       if (monitor_) monitor_->stop();
       if (recorder_) recorder_->stop();
+      if (platoon_) platoon_->stop();
     });
   } catch (const std::exception& error) {
     return world_.died(*node_, error.what());

@@ -8,6 +8,7 @@
 
 #include "simulation/machine.hpp"
 #include "simulation/world.hpp"
+#include "stochastic_platoon/ros/hosting/one_process.hpp"
 #include "stochastic_platoon/ros/nodes/channel.hpp"
 #include "stochastic_platoon/ros/nodes/follower.hpp"
 #include "stochastic_platoon/ros/nodes/leader.hpp"
@@ -23,7 +24,7 @@ constexpr char kNamespace[] = "/platoon";
 /// A node of the package in a process that roslaunch keeps alive: its main, as in src/nodes, and its ends.
 class Process {
 public:
-  enum class Program { leader, channel, follower, monitor, player, vehicle_replay };
+  enum class Program { leader, channel, follower, monitor, platoon, player, vehicle_replay };
 
   /// `index`: that of a follower, also of the one that vehicle_replay drives. `kept`: one of followers.launch. `bag`:
   /// what a replay reads.
@@ -37,6 +38,7 @@ public:
   Node* node() const { return node_.get(); }
   /// Whether the launch ends with it.
   bool is_required() const { return program_ == Program::player || program_ == Program::vehicle_replay; }
+  bool has_monitor() const { return monitor_ || platoon_; }
   const VehicleReplay* replay() const { return vehicle_replay_.get(); }
 
   void start();
@@ -66,6 +68,7 @@ private:
   std::unique_ptr<Channel> channel_;
   std::unique_ptr<Follower> follower_;
   std::unique_ptr<Monitor> monitor_;
+  std::unique_ptr<OneProcess> platoon_;
   std::unique_ptr<Player> player_;
   std::unique_ptr<VehicleReplay> vehicle_replay_;
 };

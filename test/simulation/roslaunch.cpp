@@ -18,9 +18,13 @@ void Roslaunch::keep(std::uint32_t followers) {
   for (const auto& follower : kept_) follower->start();
 }
 
-std::vector<Part> Roslaunch::followers(std::size_t count) const {
-  std::vector<Part> parts;
-  for (std::uint32_t i = 1; kept_.empty() && i <= count; ++i) parts.push_back({Process::Program::follower, i});
+std::vector<Part> Roslaunch::nodes_of(const RunOptions& run) const {
+  const bool in_one = run.hosting == Hosting::one_process;
+  std::vector<Part> parts{{Process::Program::platoon}};
+  if (!in_one) parts = {{Process::Program::leader}, {Process::Program::channel}, {Process::Program::monitor}};
+  for (std::uint32_t i = 1; kept_.empty() && i <= run.followers; ++i) {
+    if (!in_one || run.is_external(i)) parts.push_back({Process::Program::follower, i});
+  }
   return parts;
 }
 

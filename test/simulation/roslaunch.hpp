@@ -27,8 +27,8 @@ public:
 
   /// Starts followers that outlive the launches, as followers.launch does.
   void keep(std::uint32_t followers);
-  /// The followers of a launch of so many that it must start itself.
-  std::vector<Part> followers(std::size_t count) const;
+  /// The nodes that a launch of this run starts: those of platoon.launch and its external vehicles.
+  std::vector<Part> nodes_of(const RunOptions& run) const;
 
   /// Starts the nodes, each a little later.
   void launch(const std::vector<Part>& parts);

@@ -91,6 +91,7 @@ private:
     const bool is_endless = random_() % 6 == 0;
     settings_ = random_settings(random_, is_endless);
     if (roslaunch_.keeps_followers()) settings_.erase("external");
+    if (random_() % 4 == 0) settings_["hosting"] = "one_process";
     const std::string number = std::to_string(launches_);
     const bool records = settings_.erase("record") > 0;
     settings_["output"] = "out/" + number;
@@ -110,7 +111,7 @@ private:
   bool launch_once(int attempt) {
     settings_["launch_id"] = formatted("launch_%d_%d", launches_, attempt);
     configuration_ = simulation::launched(settings_);
-    return carry_out(platoon_nodes(), [this] { return observer_->complete(); });
+    return carry_out(roslaunch_.nodes_of(configuration_->run), [this] { return observer_->complete(); });
   }
 
   void launch_endless() {
@@ -118,7 +119,7 @@ private:
     configuration_ = simulation::launched(settings_);
     runs_ = {*configuration_};
     faults_left_ = 2 + random_() % 15;
-    const bool complete = carry_out(platoon_nodes(), [this] {
+    const bool complete = carry_out(roslaunch_.nodes_of(configuration_->run), [this] {
       return faults_are_over() && observer_->has(run_identity(runs_.back()), kEndlessSteps, last_fault_ + kCalm);
     });
     faults_left_.reset();
@@ -149,12 +150,6 @@ private:
       if (!replay->equal()) throw Failure(replay->verdict());
       return true;
     });
-  }
-
-  std::vector<Part> platoon_nodes() const {
-    std::vector<Part> parts{{Process::Program::leader}, {Process::Program::channel}, {Process::Program::monitor}};
-    for (const Part& follower : roslaunch_.followers(configuration_->run.followers)) parts.push_back(follower);
-    return parts;
   }
 
   /// Launches the nodes and waits until the launch is done, which is returned, or interrupted.
@@ -282,7 +277,7 @@ private:
     if (!world_.happens(0.3)) return;
     world_.after(world_.uniform(0.0, 0.05), nullptr, [this] {
       for (Process* const process : roslaunch_.processes()) {
-        if (process->program() == Process::Program::monitor) end(*process, true);
+        if (process->has_monitor()) end(*process, true);
       }
     });
   }

@@ -142,6 +142,7 @@ void World::pause(const Node& node, double seconds) {
 
 // A network in one room, or a slower one; each is congested at times.
 double World::delay(const Connection& connection) {
+  if (connection.is_local) return uniform(0.0, 1e-4);
   if (connection.slow_until > now_) return uniform(0.0, 0.5);
   return happens(0.01) ? uniform(0.0, 0.05) : slowness_ * uniform(1e-5, 1e-3);
 }
@@ -160,6 +161,9 @@ void World::connect(const std::shared_ptr<SentTopic>& sent, const std::shared_pt
   connection->sent = sent;
   connection->received = received;
   sent->connections.push_back(connection);
+  connection->is_local = connection->is_up = sent->node == received->node;
+  if (connection->is_local && sent->latched) send(connection, *sent->latched);
+  if (connection->is_local) return;
   come_up(connection, happens(0.1) ? uniform(0.0, 1.0) : uniform(0.001, 0.05));
 }
 
@@ -174,7 +178,7 @@ void World::open(const std::shared_ptr<SentTopic>& sent) {
 // Some of what is on its way arrives, as from the buffers of a killed process.
 void World::close(const SentTopic& sent) {
   for (const auto& connection : sent.connections) {
-    if (happens(0.5)) cut(connection);
+    if (!connection->is_local && happens(0.5)) cut(connection);
   }
 }
 
@@ -248,7 +252,7 @@ std::vector<std::shared_ptr<Connection>> World::all_connections() const {
       const auto sent = each.lock();
       if (!sent) continue;
       for (const auto& connection : sent->connections) {
-        if (connection->is_up && !connection->received.expired()) all.push_back(connection);
+        if (connection->is_up && !connection->is_local && !connection->received.expired()) all.push_back(connection);
       }
     }
   }

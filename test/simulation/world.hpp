@@ -74,6 +74,7 @@ struct Connection {
   std::weak_ptr<SentTopic> sent;
   std::weak_ptr<ReceivedTopic> received;
   bool is_up = false;
+  bool is_local = false;         ///< within one process: up at once, and never cut
   std::uint64_t generation = 0;  ///< a cut loses what is on its way
   double latest = 0.0;           ///< [s] arrival of the latest message
   double slow_until = 0.0;       ///< [s]
