@@ -12,6 +12,7 @@
 #include "python/convert.hpp"
 #include "python/interruption.hpp"
 #include "python/model.hpp"
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"

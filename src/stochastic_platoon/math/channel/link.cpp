@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/channel/delay_line.hpp"
 #include "stochastic_platoon/math/channel/packet_loss.hpp"
 #include "stochastic_platoon/math/channel/quantiser.hpp"
+#include "stochastic_platoon/math/model/formation.hpp"
 
 namespace platoon {
 

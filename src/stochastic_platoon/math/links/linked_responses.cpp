@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 
 namespace platoon {

@@ -27,62 +27,6 @@ bool any_type(const PlatoonModel& model, const std::function<bool(const VehicleM
 
 }  // namespace
 
-const char* name_of(InputSignal signal) {
-  switch (signal) {
-    case InputSignal::position:
-      return "position";
-    case InputSignal::speed:
-      return "speed";
-    case InputSignal::acceleration:
-      return "acceleration";
-    default:
-      return "input";
-  }
-}
-
-bool operator==(const Input& one, const Input& other) {
-  return one.signal == other.signal && one.gain == other.gain && one.noise_variance == other.noise_variance &&
-         one.link == other.link && one.ahead == other.ahead && one.packet == other.packet;
-}
-
-std::size_t source_of(const Input& input, std::size_t follower) {
-  return input.ahead == Input::kLeader || input.ahead > follower ? 0 : follower - input.ahead;
-}
-
-bool VehicleModel::hears_predecessor_only() const {
-  const auto is_plain = [](const Input& input) { return input.ahead == 1 && input.packet.empty(); };
-  return !constant_spacing && own_acceleration == 0.0 && inputs.size() <= 2 &&
-         std::all_of(inputs.begin(), inputs.end(), is_plain) && inputs.front().signal == InputSignal::position &&
-         inputs.front().gain == 1.0 && (inputs.size() == 1 || inputs.back().signal == InputSignal::input);
-}
-
-const Input& VehicleModel::position() const {
-  for (const Input& input : inputs) {
-    if (input.signal == InputSignal::position) return input;
-  }
-  return inputs.front();
-}
-
-std::vector<std::size_t> VehicleModel::varied_inputs() const {
-  std::size_t last = inputs.size() - 1;
-  if (!hears_predecessor_only()) {
-    while (last > 0 && !inputs[last].link.loss) --last;
-    if (!inputs[last].link.loss) last = inputs.size() - 1;
-  }
-  std::vector<std::size_t> found;
-  for (std::size_t n = 0; n < inputs.size(); ++n) {
-    if (losses_of(n) == losses_of(last)) found.push_back(n);
-  }
-  return found;
-}
-
-std::size_t VehicleModel::losses_of(std::size_t n) const {
-  for (std::size_t j = 0; j < n && !inputs[n].packet.empty(); ++j) {
-    if (inputs[j].packet == inputs[n].packet) return j;
-  }
-  return n;
-}
-
 std::vector<std::size_t> type_order(const PlatoonModel& model) {
   return is_homogeneous(model) ? std::vector<std::size_t>{0} : model.string;
 }
@@ -188,38 +132,6 @@ std::size_t farthest_ahead(const PlatoonModel& model) {
   return farthest;
 }
 
-double spacing_in_vehicles(const VehicleModel& vehicle, std::size_t follower) {
-  double sum = 0.0;
-  for (const Input& input : vehicle.inputs) {
-    if (input.signal == InputSignal::position)
-      sum += input.gain * static_cast<double>(follower - source_of(input, follower));
-  }
-  return sum;
-}
-
-double own_speed_gain(const VehicleModel& vehicle, double sample_period) {
-  double sum = 0.0;
-  for (const Input& input : vehicle.inputs) {
-    if (input.signal == InputSignal::speed) sum += input.gain / sample_period;
-  }
-  return sum;
-}
-
-std::vector<double> steady_places(const PlatoonModel& model, std::size_t followers, double slope,
-                                  const std::function<double(const VehicleModel& own, const Input& input)>& late) {
-  std::vector<double> places{0.0};
-  for (std::size_t i = 1; i <= followers; ++i) {
-    const VehicleModel& own = vehicle(model, i);
-    double place = -spacing_in_vehicles(own, i) * (slope * own.headway + own.standstill_distance);
-    for (const Input& input : own.inputs) {
-      const bool is_position = input.signal == InputSignal::position;
-      place += is_position ? input.gain * (places[source_of(input, i)] - late(own, input)) : -late(own, input);
-    }
-    places.push_back(place);
-  }
-  return places;
-}
-
 bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers) {
   const std::size_t farthest = sender == 0 ? followers : std::min(followers, sender + farthest_ahead(model));
   for (std::size_t i = sender + 1; i <= farthest; ++i) {
@@ -262,53 +174,6 @@ bool has_limits(const PlatoonModel& model) {
 
 bool moves_leader(const PlatoonModel& model) {
   return !model.recorded_leader.empty() || has_limits(model) || !hears_predecessors_only(model);
-}
-
-bool starts_steady(const PlatoonModel& model) {
-  return model.start ? *model.start == Start::steady : has_limits(model);
-}
-
-double start_slope(const PlatoonModel& model) {
-  const std::vector<double>& recorded = model.recorded_leader;
-  if (!starts_steady(model) || recorded.size() == 1) return 0.0;
-  return recorded.empty() ? model.sample_period * model.leader.speed(0) : recorded[1] - recorded[0];
-}
-
-namespace {
-
-// Minus the sum of the distances of followers 1 .. follower, each to its predecessor.
-template <class Distance>
-double place_of(const PlatoonModel& model, std::size_t follower, const Distance& distance) {
-  if (is_homogeneous(model)) return -static_cast<double>(follower) * distance(model.default_vehicle());
-  const auto distance_up_to = [&](std::size_t last) {
-    double sum = 0.0;
-    for (std::size_t i = 1; i <= last; ++i) sum += distance(vehicle(model, i));
-    return sum;
-  };
-  const std::size_t length = model.string.size();
-  const std::size_t patterns = follower / length;
-  return -(static_cast<double>(patterns) * distance_up_to(length) + distance_up_to(follower % length));
-}
-
-}  // namespace
-
-double start_place(const PlatoonModel& model, std::size_t follower) {
-  const double slope = start_slope(model), place = place_in_formation(model, follower);
-  if (!starts_steady(model)) return place;
-  const double leader = model.recorded_leader.empty() ? 0.0 - slope : model.recorded_leader.front();
-  if (!hears_predecessors_only(model)) {
-    const auto late = [slope](const VehicleModel&, const Input& input) {
-      return input.signal == InputSignal::position ? slope * static_cast<double>(input.link.delay) : 0.0;
-    };
-    return leader + steady_places(model, follower, slope, late).back();
-  }
-  return leader + place + slope * place_of(model, follower, [](const VehicleModel& own) {
-                            return own.headway + static_cast<double>(own.position().link.delay);
-                          });
-}
-
-double place_in_formation(const PlatoonModel& model, std::size_t follower) {
-  return place_of(model, follower, [](const VehicleModel& own) { return own.standstill_distance; });
 }
 
 }  // namespace platoon

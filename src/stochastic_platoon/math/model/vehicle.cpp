@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/limited_vehicle.hpp"
 #include "stochastic_platoon/math/numerics/multiples.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
+#include "stochastic_platoon/math/model/formation.hpp"
 
 #include <algorithm>
 

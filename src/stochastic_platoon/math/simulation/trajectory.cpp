@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/channel/link.hpp"
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"

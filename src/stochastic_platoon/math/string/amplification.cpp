@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"

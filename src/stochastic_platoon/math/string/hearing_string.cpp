@@ -9,6 +9,7 @@
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"

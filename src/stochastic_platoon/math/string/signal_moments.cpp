@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/simulation/trajectory.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"

@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 
 namespace platoon {

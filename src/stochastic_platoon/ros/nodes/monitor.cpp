@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iterator>
-#include <set>
 #include <utility>
 
 #include "stochastic_platoon/ros/messages/position.hpp"
@@ -240,13 +238,7 @@ const std::vector<std::size_t>& Monitor::mute_vehicles(double present) {
   for (std::size_t i = 0; i <= configuration_.run.followers; ++i) {
     if (sends_input(configuration_.model, i, configuration_.run.followers)) heard.push_back(i);
   }
-  mute_.clear();
-  if (heard.empty()) return mute_;
-  const std::set<std::string> published = published_topics();
-  if (published.empty()) return mute_;  // the master does not answer
-  std::copy_if(heard.begin(), heard.end(), std::back_inserter(mute_),
-               [&published](std::size_t i) { return published.count(ros::names::resolve(input_topic(i))) == 0; });
-  return mute_;
+  return mute_ = heard.empty() ? heard : platoon::mute_vehicles(heard);
 }
 
 Diagnostics::Fill Monitor::status() {

@@ -1,12 +1,16 @@
 #include "stochastic_platoon/ros/transport/publishers.hpp"
 
 #include <ros/master.h>
+#include <ros/names.h>
 #include <ros/network.h>
 #include <ros/this_node.h>
 #include <xmlrpcpp/XmlRpc.h>
 
 #include <algorithm>
 #include <map>
+#include <set>
+
+#include "stochastic_platoon/ros/messages/topics.hpp"
 
 namespace platoon {
 
@@ -62,10 +66,12 @@ std::vector<std::string> registered_publishers(const std::string& topic) {
   return names;
 }
 
-std::set<std::string> published_topics() {
-  std::set<std::string> topics;
-  for (const auto& entry : registered()) topics.insert(entry.first);
-  return topics;
+std::vector<std::size_t> mute_vehicles(std::vector<std::size_t> vehicles) {
+  const auto published = registered();
+  if (published.empty()) return {};
+  const auto speaks = [&published](std::size_t i) { return published.count(ros::names::resolve(input_topic(i))) > 0; };
+  vehicles.erase(std::remove_if(vehicles.begin(), vehicles.end(), speaks), vehicles.end());
+  return vehicles;
 }
 
 std::optional<TopicPublisher> live_publisher(const std::function<bool(const std::string& topic)>& selected) {

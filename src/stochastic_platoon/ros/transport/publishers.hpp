@@ -1,8 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -15,8 +15,9 @@ std::string address_of(const std::string& node);
 /// master does not answer.
 std::vector<std::string> registered_publishers(const std::string& topic);
 
-/// The topics that have a publisher registered with the master; empty if the master does not answer.
-std::set<std::string> published_topics();
+/// Those of these vehicles whose control inputs have no publisher registered with the master; none if the master does
+/// not answer.
+std::vector<std::size_t> mute_vehicles(std::vector<std::size_t> vehicles);
 
 /// A node that publishes a topic.
 struct TopicPublisher {

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/configuration/limits_section.hpp"
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/limited_vehicle.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 

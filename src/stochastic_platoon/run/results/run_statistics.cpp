@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/statistics/ensemble_statistics.hpp"
 #include "stochastic_platoon/math/statistics/signal_reduction.hpp"
 #include "stochastic_platoon/math/statistics/time_statistics.hpp"

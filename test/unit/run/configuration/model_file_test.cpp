@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/run/configuration/model_text.hpp"
 #include "unit/temporary_folder.hpp"
