@@ -5,11 +5,9 @@
 #include <map>
 #include <string>
 
+#include "simulation/launches.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
-
-#define PLATOON_PARSE "_ZN7platoon19parse_configurationERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE"
-#define PLATOON_PREDICT "_ZN7platoon7predictERKNS_13ConfigurationE"
 
 namespace platoon::simulation {
 
@@ -29,7 +27,7 @@ Configuration known_configuration(const std::string& text) {
 
 Prediction known_prediction(const Configuration& configuration) {
   static std::map<std::string, Prediction> known;
-  Configuration asked = configuration;
+  Configuration asked = of_any_launch(configuration);
   const RunOptions any{};
   asked.run.seed = any.seed;
   asked.run.realizations = any.realizations;
@@ -37,10 +35,7 @@ Prediction known_prediction(const Configuration& configuration) {
   asked.run.window = any.window;
   asked.run.rate = any.rate;
   asked.run.stall_timeout = any.stall_timeout;
-  asked.run.output = asked.run.record = asked.run.launch_id = "";
-  asked.run.first_realization = 0;
   asked.run.number = any.number;
-  asked.run.resume = false;
   const std::string key = to_json(asked).dump();
   const auto found = known.find(key);
   return found != known.end() ? found->second : known.emplace(key, computed_prediction(configuration)).first->second;

@@ -85,14 +85,17 @@ std::string description(const Configuration& configuration) {
          (run.record.empty() ? "" : ", recorded");
 }
 
+Configuration of_any_launch(Configuration configuration) {
+  RunOptions& run = configuration.run;
+  run.output = run.record = run.launch_id = "";
+  run.first_realization = 0;
+  run.resume = false;
+  return configuration;
+}
+
 const std::string& reference(const Configuration& configuration) {
   static std::map<std::string, std::string> known;
-  Configuration plain = configuration;
-  plain.run.output.clear();
-  plain.run.record.clear();
-  plain.run.launch_id.clear();
-  plain.run.first_realization = 0;
-  plain.run.resume = false;
+  const Configuration plain = of_any_launch(configuration);
   const std::string key = to_json(plain).dump();
   const auto found = known.find(key);
   if (found != known.end()) return found->second;

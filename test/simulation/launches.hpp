@@ -22,6 +22,9 @@ Configuration replayed(const std::string& bag, const std::string& output);
 /// Describes a launch, for a line of a history.
 std::string description(const Configuration& configuration);
 
+/// The same run without what differs from launch to launch.
+Configuration of_any_launch(Configuration configuration);
+
 /// statistics.csv as monte_carlo computes it.
 const std::string& reference(const Configuration& configuration);
 

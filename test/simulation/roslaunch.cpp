@@ -20,10 +20,11 @@ void Roslaunch::keep(std::uint32_t followers) {
 
 std::vector<Part> Roslaunch::nodes_of(const RunOptions& run) const {
   const bool in_one = run.hosting == Hosting::one_process;
-  std::vector<Part> parts{{Process::Program::platoon}};
-  if (!in_one) parts = {{Process::Program::leader}, {Process::Program::channel}, {Process::Program::monitor}};
+  using Program = Process::Program;
+  std::vector<Part> parts = in_one ? std::vector<Part>{{Program::platoon}}
+                                   : std::vector<Part>{{Program::leader}, {Program::channel}, {Program::monitor}};
   for (std::uint32_t i = 1; kept_.empty() && i <= run.followers; ++i) {
-    if (!in_one || run.is_external(i)) parts.push_back({Process::Program::follower, i});
+    if (!in_one || run.is_external(i)) parts.push_back({Program::follower, i});
   }
   return parts;
 }

@@ -161,10 +161,10 @@ void World::connect(const std::shared_ptr<SentTopic>& sent, const std::shared_pt
   connection->sent = sent;
   connection->received = received;
   sent->connections.push_back(connection);
-  connection->is_local = connection->is_up = sent->node == received->node;
-  if (connection->is_local && sent->latched) send(connection, *sent->latched);
-  if (connection->is_local) return;
-  come_up(connection, happens(0.1) ? uniform(0.0, 1.0) : uniform(0.001, 0.05));
+  connection->is_local = sent->node == received->node;
+  if (!connection->is_local) return come_up(connection, happens(0.1) ? uniform(0.0, 1.0) : uniform(0.001, 0.05));
+  connection->is_up = true;
+  if (sent->latched) send(connection, *sent->latched);
 }
 
 void World::open(const std::shared_ptr<SentTopic>& sent) {
