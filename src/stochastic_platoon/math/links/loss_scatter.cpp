@@ -3,6 +3,7 @@
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/complex_product.hpp"
@@ -158,6 +159,7 @@ Eigen::MatrixXd LossScatter::operator()(const Eigen::Ref<const Eigen::MatrixXd>&
 
 // The real part of a cross spectrum is even, as a spectrum is, and the imaginary part odd.
 Eigen::ArrayXcd LossScatter::of_cross_spectrum(const Eigen::ArrayXcd& sent) const {
+  if (kernel_.size() > 0) throw std::invalid_argument("nodes: must be equally spaced for a cross spectrum");
   Eigen::ArrayXcd result = (*this)(drives(sent.real().matrix())).array().cast<DoubleComplex>();
   if (returned_.size() > 0 || (sent.imag() == 0.0).all()) return result;
   const Eigen::ArrayXd odd = innovation_ * sent.imag();

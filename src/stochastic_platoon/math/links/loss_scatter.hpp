@@ -50,7 +50,7 @@ public:
   Eigen::MatrixXd operator()(const Eigen::Ref<const Eigen::MatrixXd>& drives) const;
 
   /// The scattered cross spectrum of two signals that are lost together: < g(w, nu) |u(nu)|^2 Phi(nu) >_nu, with
-  /// Phi(-nu) the conjugate of Phi(nu). On equally spaced nodes.
+  /// Phi(-nu) the conjugate of Phi(nu). Throws std::invalid_argument for losses with memory on nodes of a quadrature.
   Eigen::ArrayXcd of_cross_spectrum(const Eigen::ArrayXcd& sent) const;
 
 private:

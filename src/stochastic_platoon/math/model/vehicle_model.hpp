@@ -78,9 +78,9 @@ struct VehicleModel {
   /// The input whose losses input n shares: the first of its packet, else itself.
   std::size_t losses_of(std::size_t n) const;
 
-  /// The inputs whose losses with_loss() varies, which are lost together: the radio if there is one, else the position;
-  /// of a vehicle that hears others than its predecessor the last input that loses, else the last, with those of its
-  /// packet.
+  /// The inputs whose losses with_loss() varies. They are lost together. A vehicle that hears its predecessor alone has
+  /// one of them: the radio if there is one, else the position. Any other vehicle has the packet of its last input that
+  /// loses, or of its last input if none loses.
   std::vector<std::size_t> varied_inputs() const;
   const LinkModel& varied_link() const { return inputs[varied_inputs().front()].link; }
 

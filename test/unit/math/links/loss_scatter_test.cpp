@@ -103,7 +103,7 @@ TEST(LossScatter, ScattersCrossSpectraAsTheKernelDoes) {
     const LossScatter losses(LossFilter(loss), nodes);
     const LossKernel kernel(loss);
     Eigen::ArrayXcd sent(nodes.count());
-    std::vector<double> frequencies;  // of the whole circle
+    std::vector<double> frequencies;  // w and -w of every node
     for (Eigen::Index k = 0; k < nodes.count(); ++k) {
       frequencies.push_back(nodes.points[static_cast<std::size_t>(k)].frequency);
       frequencies.push_back(-frequencies.back());
@@ -125,6 +125,12 @@ TEST(LossScatter, ScattersCrossSpectraAsTheKernelDoes) {
     }
     EXPECT_NEAR(losses.slope(), kernel.slope(), 1e-15);
   }
+}
+
+TEST(LossScatter, RejectsCrossSpectraOnNodesOfAQuadrature) {
+  const SpectralNodes nodes(half_circle_quadrature({{0.0, 0.05}}, {}));
+  const LossScatter losses(LossFilter(LossModel{0.3, 2.2, {1.0}}), nodes);
+  EXPECT_THROW(losses.of_cross_spectrum(Eigen::ArrayXcd::Zero(nodes.count())), std::invalid_argument);
 }
 
 }  // namespace
