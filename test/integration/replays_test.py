@@ -32,10 +32,10 @@ APART = r"vehicle_2: {} messages as in the recording, positions at most (\S+) m 
 LONGEST = 300.0  # [s] limit for a replay: one that hangs never ends
 
 
-def record(folder):
+def record(folder, **arguments):
     """Records RUN with built-in vehicles; returns the bag."""
     bag = os.path.join(folder, "run.bag")
-    terminal = Terminal(folder, "platoon.launch", output=os.path.join(folder, "run"), record=bag, **RUN)
+    terminal = Terminal(folder, "platoon.launch", output=os.path.join(folder, "run"), record=bag, **dict(RUN, **arguments))
     try:
         terminal.wait()
     finally:
@@ -164,6 +164,14 @@ class Replays(FolderTest):
         text = self.followers.replay(self.bag, None, patience=3)
         self.assertIn("waiting for external vehicle_2: start its node (the replay ends after 3 s)", text)
         self.assertIn("no verdict: vehicle_2 is not running: no publisher of /platoon/vehicle_2/position; the vehicle is external: start its node", text)
+
+    def test_a_kept_follower_that_has_taken_part_in_no_run_joins_the_replay_with_all_its_inputs(self):
+        bag = record(self.folder, model="path_cacc.yaml", steps=20, hosting="one_process")
+        kept = Terminal(self.folder, "followers.launch", master=self.followers.master, first=2, last=2)
+        self.addCleanup(kept.end)
+        live_platoon.wait_for(lambda: live_platoon.process_of("/platoon/vehicle_2", self.followers.master), "the kept follower")
+        text = self.followers.replay(bag, None, patience=20)
+        self.assertIn(EQUAL, text)
 
     def test_some_replays_under_load_end_with_the_right_verdict(self):
         outcomes, texts = run_many(self.bag, 4, 2, 2)
