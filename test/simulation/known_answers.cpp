@@ -1,12 +1,15 @@
-// Two functions of their argument alone, which a real process computes once and a simulated world many times: the
-// configuration of a text, and its prediction. Half of the time would go into them. The linker (--wrap) leads calls
-// here, and each argument is computed once.
+// Functions of their argument alone, which a real process computes once and a simulated world many times: the
+// configuration of a text, its prediction, and the stable headways of a model. Most of the time would go into them. The
+// linker (--wrap) leads calls here, and each argument is computed once.
 
 #include <map>
+#include <mutex>
 #include <string>
 
 #include "simulation/launches.hpp"
+#include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/model_file.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 
 namespace platoon::simulation {
@@ -15,6 +18,9 @@ Configuration computed_configuration(const std::string& text) asm("__real_" PLAT
 Configuration known_configuration(const std::string& text) asm("__wrap_" PLATOON_PARSE);
 Prediction computed_prediction(const Configuration& configuration) asm("__real_" PLATOON_PREDICT);
 Prediction known_prediction(const Configuration& configuration) asm("__wrap_" PLATOON_PREDICT);
+using Headways = std::optional<StableHeadways>;
+Headways computed_headways(const PlatoonModel& model) asm("__real_" PLATOON_HEADWAYS);
+Headways known_headways(const PlatoonModel& model) asm("__wrap_" PLATOON_HEADWAYS);
 
 Configuration known_configuration(const std::string& text) {
   constexpr std::size_t kMost = 100;  // more than the texts of one run, which no other run has
@@ -39,6 +45,16 @@ Prediction known_prediction(const Configuration& configuration) {
   const std::string key = to_json(asked).dump();
   const auto found = known.find(key);
   return found != known.end() ? found->second : known.emplace(key, computed_prediction(configuration)).first->second;
+}
+
+// Nodes ask for them in threads of their own.
+Headways known_headways(const PlatoonModel& model) {
+  static std::mutex mutex;
+  static std::map<std::string, Headways> known;
+  const std::lock_guard<std::mutex> lock(mutex);
+  const std::string key = to_json(model).dump();
+  const auto found = known.find(key);
+  return found != known.end() ? found->second : known.emplace(key, computed_headways(model)).first->second;
 }
 
 }  // namespace platoon::simulation

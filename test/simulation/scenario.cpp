@@ -117,10 +117,11 @@ private:
   void launch_endless() {
     settings_["launch_id"] = formatted("launch_%d", launches_);
     configuration_ = simulation::launched(settings_);
-    runs_ = {*configuration_};
+    runs_.clear();
+    add_run(*configuration_);
     faults_left_ = 2 + random_() % 15;
     const bool complete = carry_out(roslaunch_.nodes_of(configuration_->run), [this] {
-      return faults_are_over() && observer_->has(run_identity(runs_.back()), kEndlessSteps, last_fault_ + kCalm);
+      return faults_are_over() && observer_->has(run_, kEndlessSteps, last_fault_ + kCalm);
     });
     faults_left_.reset();
     if (complete && !fs::exists(runs_.back().run.output + "/statistics.csv"))
@@ -129,6 +130,11 @@ private:
       const std::string problem = changes_ && !run.run.record.empty() ? problem_of_endless(run, lost_power_) : "";
       if (!problem.empty()) throw Failure(problem);
     }
+  }
+
+  void add_run(const Configuration& configuration) {
+    runs_.push_back(configuration);
+    run_ = run_identity(configuration);
   }
 
   /// Into a monitor, or of the inputs of one live follower.
@@ -273,7 +279,7 @@ private:
     const std::string text = world_.parameters[std::string(kNamespace) + "/configuration"];
     const Configuration next = parse_configuration(text);
     if (next.run.number == runs_.back().run.number) return fail("an answered order is not in the configuration");
-    runs_.push_back(next);
+    add_run(next);
     if (!world_.happens(0.3)) return;
     world_.after(world_.uniform(0.0, 0.05), nullptr, [this] {
       for (Process* const process : roslaunch_.processes()) {
@@ -309,6 +315,7 @@ private:
   int launches_ = 0, errors_ = 0;  // launches_: without the resumed ones and the replays
   bool is_interrupted_ = false, lost_power_ = false;
   std::vector<Configuration> runs_;         ///< of an endless launch, one for each change
+  std::uint64_t run_ = 0;                   ///< the identity of the last of them
   bool changes_ = false;                    ///< whether orders change the run; else they are for the leader
   std::optional<std::size_t> faults_left_;  ///< of an endless launch
   std::map<std::string, std::string> settings_;
