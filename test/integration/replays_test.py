@@ -19,6 +19,8 @@ import tempfile
 import time
 import unittest
 
+import rosbag
+
 import live_platoon
 from folder import FolderTest, temporary_folder
 from terminal import Terminal, start_master
@@ -152,6 +154,17 @@ class Replays(FolderTest):
         self.addCleanup(again.kill)
         terminal.wait(LONGEST)
         self.assertEqual(ended(terminal.text()), "right", terminal.text())
+
+    def test_a_lost_answer_before_a_batch_of_a_later_recorded_attempt_costs_an_attempt_and_the_verdict_comes(self):
+        later = os.path.join(self.folder, "later.bag")
+        with rosbag.Bag(self.bag) as source, rosbag.Bag(later, "w") as changed:
+            for topic, message, stamp in source.read_messages():
+                if getattr(message, "first_realization", 0) >= RUN["batch"]:
+                    message.attempt += 1
+                if not topic.endswith("/checksum"):
+                    changed.write(topic, message, stamp)
+        text = self.followers.replay(later, [os.path.join(HERE, "losing_follower.py"), "2"], unverified=True)
+        self.assertEqual(ended(text), "right", text)
 
     def test_a_vehicle_that_does_not_answer_ends_the_replay_with_the_reason(self):
         text = self.followers.replay(self.bag, [os.path.join(HERE, "broken_follower.py"), "2:answer"], patience=4)

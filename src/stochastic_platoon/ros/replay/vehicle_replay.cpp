@@ -172,12 +172,12 @@ void VehicleReplay::receive(const PositionEvent& event) {
   if (publisher_.admits(event.getConnectionHeaderPtr(), live.run)) judge(live);
 }
 
-// An answer after the one that is due shows that the latter is lost.
+// An answer after the one that is due shows that the latter is lost. The attempt may grow between recorded batches.
 void VehicleReplay::judge(const Position& live) {
   const MessageId id = id_of(live), due = expected_id();
-  const auto place = [](const MessageId& of) { return std::tie(of.first_realization, of.step); };
+  const auto place = [](const MessageId& of) { return std::tie(of.attempt, of.first_realization, of.step); };
   if (id.attempt < due.attempt) return drop(DropReason::stale, live);
-  if (id.attempt == due.attempt && place(id) > place(due)) {
+  if (place(id) > place(due)) {
     drop(DropReason::out_of_turn, live);
     if (credit_.give_up(now())) begin_again();
     return send_allowed();
