@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "stochastic_platoon/math/links/chain_follower.hpp"
+#include "stochastic_platoon/math/links/leader_motion.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
-#include "stochastic_platoon/math/links/linked_responses.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/numerics/causal_convolution.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 
@@ -16,9 +16,15 @@ namespace platoon {
 
 namespace {
 
-using Sequence = MeanVehicle::Sequence;
+using Sequence = VehicleResponse::Sequence;
 using Values = CausalConvolution::Values;
 using Kernels = std::vector<CausalConvolution::Prepared>;  // by the number of vehicles behind the source
+
+Values squares(const Sequence& values) {
+  Values result;
+  for (const long double value : values) result.push_back(static_cast<double>(value * value));
+  return result;
+}
 
 Values products(const Values& a, const Values& b) {
   Values result;
@@ -30,6 +36,13 @@ void add_multiple(double factor, const Values& from, Values& to) {
   for (std::size_t k = 0; k < from.size(); ++k) to[k] += factor * from[k];
 }
 
+/// Squared responses of a source's own vehicle and of those behind it.
+struct Responses {
+  std::vector<Values> error;  ///< of zeta
+  std::array<std::vector<Values>, 2>
+      innovation;  ///< of e, per link; empty where a vehicle has no such link with losses
+};
+
 /// Powers of the responses to the losses of one link.
 struct LossResponses {
   Kernels error;
@@ -40,19 +53,30 @@ struct LossResponses {
 class LinkedString {
 public:
   LinkedString(const PlatoonModel& model, std::size_t followers, std::int64_t steps)
-      : responses_(model, followers, static_cast<std::size_t>(steps)),
+      : model_(model),
         followers_(followers),
-        steps_(static_cast<std::size_t>(steps)) {}
+        steps_(static_cast<std::size_t>(steps)),
+        responses_(model, followers, steps_, StringResponses::Pass::innovations) {}
 
   ErrorMoments moments() {
-    LinkedResponses::Means means = responses_.means();
-    innovation_means_ = std::move(means.innovation);
-    ErrorMoments result{static_cast<std::int64_t>(steps_), followers_, std::move(means.error), {}};
+    ErrorMoments result{static_cast<std::int64_t>(steps_), followers_, {}, {}};
+    innovation_means_.clear();
+    responses_.visit_means([&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& response) {
+      const Sequence errors = tracking_errors(vehicle(model_, i).headway, predecessor, response.own.position);
+      result.mean.insert(result.mean.end(), errors.begin(), errors.end());
+      innovation_means_.emplace_back();
+      for (std::size_t link = 0; link < response.innovation.size(); ++link) {
+        const Sequence& mean = response.innovation[link];
+        if (factor(i, link) > 0.0) innovation_means_.back()[link].assign(mean.begin(), mean.end());
+      }
+    });
     error_.assign(followers_, Values(steps_, 0.0));
     innovation_.clear();
     for (const std::array<Values, 2>& mean : innovation_means_)
       innovation_.push_back({products(mean[0], mean[0]), products(mean[1], mean[1])});
-    for (std::size_t j = 0; j < std::min(responses_.period(), followers_); ++j) add_constant_sources(j);
+    for (std::size_t i = 1; i <= std::min(period(), followers_); ++i) {
+      for (const StringResponses::Source& source : responses_.sources(i)) add_white(source);
+    }
     add_losses();
     for (const Values& row : error_) result.variance.insert(result.variance.end(), row.begin(), row.end());
     return result;
@@ -68,7 +92,7 @@ public:
     for (std::size_t i = 0; i < followers_; ++i) {
       for (std::size_t link = 0; link < 2; ++link) {
         Values of_innovation(steps_, 0.0);
-        if (factor(i, link) > 0.0) {
+        if (factor(i + 1, link) > 0.0) {
           add_losses_to(convolution, responses, i, 2 * i, of_innovation,
                         [link](LossResponses& of) -> Kernels& { return of.innovation[link]; });
         }
@@ -83,68 +107,49 @@ public:
   }
 
 private:
+  std::size_t period() const { return responses_.different().period; }
+
   // p q of a link; 0 if there is none.
-  double factor(std::size_t i, std::size_t link) const {
-    const MeanVehicle& vehicle = responses_.vehicle(i);
-    return link < vehicle.links() ? vehicle.variance_factor(link) : 0.0;
+  double factor(std::size_t follower, std::size_t link) const {
+    return link < vehicle(model_, follower).inputs.size() ? responses_.loss_factor(follower, link) : 0.0;
   }
 
-  // Adds the noise and the dither of the links at `place` and its repetitions, and the initial positions there.
-  void add_constant_sources(std::size_t place) {
-    const VehicleModel& vehicle = responses_.model(place);
-    for (std::size_t link = 0; link < vehicle.inputs.size(); ++link)
-      add_noise(place, link, vehicle.inputs[link].link, vehicle.inputs[link].noise_variance);
-    if (vehicle.initial_position.variance > 0.0) {
-      add_repeated(place, responses_.downstream(place, responses_.vehicle(place).free_motion(steps_)), 0, {},
-                   vehicle.initial_position.variance);
-    }
+  Responses responses_to(const StringResponses::Source& source) const {
+    Responses found;
+    responses_.visit(source, [&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& of) {
+      found.error.push_back(squares(tracking_errors(vehicle(model_, i).headway, predecessor, of.own.position)));
+      for (std::size_t link = 0; link < 2; ++link)
+        found.innovation[link].push_back(factor(i, link) > 0.0 ? squares(of.innovation[link]) : Values());
+    });
+    return found;
   }
 
-  void add_noise(std::size_t place, std::size_t link, const LinkModel& model, double noise_variance) {
-    const double quantisation = model.quantisation_step * model.quantisation_step / 12.0;
-    const bool white = model.has_white_noise();
-    if (noise_variance > 0.0) {
-      const Sequence of_noise = white ? responses_.impulse() : responses_.filtered_impulse(model.noise_filter);
-      add_white(place, link, of_noise, noise_variance + (white ? quantisation : 0.0));
-    }
-    if (quantisation > 0.0 && !(white && noise_variance > 0.0))
-      add_white(place, link, responses_.impulse(), quantisation);
-  }
-
-  // Adds a white source of this variance, present from step 0 on, to the values sent over a link.
-  void add_white(std::size_t place, std::size_t link, const Sequence& sent, double variance) {
-    MeanVehicle::Passed own = responses_.vehicle(place).over_link(link, sent);
-    Values own_innovation;
-    if (factor(place, link) > 0.0) own_innovation = squares(own.innovation[link]);
-    Responses responses = responses_.downstream(place, std::move(own.own));
+  // Adds a noise or dither, present from step 0 on, or an initial position, at its follower and its repetitions.
+  void add_white(const StringResponses::Source& source) {
+    Responses responses = responses_to(source);
     for (auto* rows : {&responses.error, &responses.innovation.front(), &responses.innovation.back()}) {
-      for (Values& row : *rows) std::partial_sum(row.begin(), row.end(), row.begin());
+      for (Values& row : *rows) {
+        if (source.input) std::partial_sum(row.begin(), row.end(), row.begin());
+      }
     }
-    std::partial_sum(own_innovation.begin(), own_innovation.end(), own_innovation.begin());
-    add_repeated(place, responses, link, own_innovation, variance);
-  }
-
-  void add_repeated(std::size_t place, Responses responses, std::size_t link, const Values& own_innovation,
-                    double variance) {
-    responses.innovation[link][0] = own_innovation;
-    add_repeated_rows(place, std::move(responses.error), variance, [this](std::size_t i) { return &error_[i]; });
+    add_repeated_rows(source, std::move(responses.error), [this](std::size_t i) { return &error_[i]; });
     for (std::size_t to = 0; to < 2; ++to) {
-      add_repeated_rows(place, std::move(responses.innovation[to]), variance,
+      add_repeated_rows(source, std::move(responses.innovation[to]),
                         [this, to](std::size_t i) { return &innovation_[i][to]; });
     }
   }
 
   // Repetitions of the source add the rows at distances i, i - M, ... to follower i; they are summed once.
   template <class Target>
-  void add_repeated_rows(std::size_t place, std::vector<Values> rows, double variance, const Target& target) {
+  void add_repeated_rows(const StringResponses::Source& source, std::vector<Values> rows, const Target& target) {
     for (std::size_t m = 0; m < rows.size(); ++m) {
-      if (m >= responses_.period()) {
-        const Values& before = rows[m - responses_.period()];
+      if (m >= period()) {
+        const Values& before = rows[m - period()];
         rows[m].resize(std::max(rows[m].size(), before.size()), 0.0);
         add_multiple(1.0, before, rows[m]);
       }
-      Values* const to = target(place + m);
-      if (!to->empty()) add_multiple(variance, rows[m], *to);
+      Values* const to = target(source.follower - 1 + m);
+      if (!to->empty()) add_multiple(source.variance, rows[m], *to);
     }
   }
 
@@ -156,7 +161,7 @@ private:
     std::vector<CausalConvolution::Product> products;
     for (std::size_t source = 0; source < links; ++source) {
       if (sources_[source].is_zero()) continue;
-      LossResponses& of = responses[source % (2 * responses_.period())];
+      LossResponses& of = responses[source % (2 * period())];
       products.push_back({kernels(of)[i - source / 2], sources_[source]});
     }
     if (!products.empty()) convolution.add(products, row);
@@ -165,17 +170,16 @@ private:
   // The links come from one pattern, two per vehicle. `power` converts squared responses to the required power.
   template <class Power>
   std::vector<LossResponses> loss_responses(const Power& power) const {
-    std::vector<LossResponses> result(2 * responses_.period());
+    std::vector<LossResponses> result(2 * period());
     for (std::size_t source = 0; source < std::min(result.size(), 2 * followers_); ++source) {
-      const std::size_t place = source / 2, link = source % 2;
-      if (factor(place, link) == 0.0) continue;
-      MeanVehicle::Passed passed = responses_.vehicle(place).of_loss(link, steps_);
+      const std::size_t follower = source / 2 + 1, link = source % 2;
+      if (factor(follower, link) == 0.0) continue;
+      const Responses to_loss = responses_to({follower, link, 1.0, {}});
       LossResponses& of = result[source];
-      of.own = power(squares(passed.innovation[link]));
-      const Responses responses = responses_.downstream(place, std::move(passed.own));
-      for (const Values& row : responses.error) of.error.emplace_back(power(row));
+      of.own = power(to_loss.innovation[link].front());
+      for (const Values& row : to_loss.error) of.error.emplace_back(power(row));
       for (std::size_t to = 0; to < 2; ++to) {
-        for (const Values& row : responses.innovation[to]) of.innovation[to].emplace_back(power(row));
+        for (const Values& row : to_loss.innovation[to]) of.innovation[to].emplace_back(power(row));
       }
     }
     return result;
@@ -187,11 +191,11 @@ private:
     sources_.clear();
     for (std::size_t i = 0; i < followers_; ++i) {
       for (std::size_t link = 0; link < 2; ++link) {
-        if (factor(i, link) > 0.0) {
+        if (factor(i + 1, link) > 0.0) {
           add_losses_to(convolution, responses, i, 2 * i, innovation_[i][link],
                         [link](LossResponses& of) -> Kernels& { return of.innovation[link]; });
         }
-        add_source(i, link, responses[2 * (i % responses_.period()) + link].own);
+        add_source(i, link, responses[2 * (i % period()) + link].own);
       }
       add_losses_to(convolution, responses, i, 2 * i + 2, error_[i],
                     [](LossResponses& of) -> Kernels& { return of.error; });
@@ -201,7 +205,7 @@ private:
   // Appends the variance of the w of a link, p q E e^2; w also acts on the innovation of its own link.
   void add_source(std::size_t i, std::size_t link, const Values& own) {
     Values variance;  // of w(k), from step 0 on
-    if (factor(i, link) > 0.0) {
+    if (factor(i + 1, link) > 0.0) {
       std::size_t reach = own.size();
       const double negligible = 1e-40 * *std::max_element(own.begin(), own.end());
       while (reach > 1 && own[reach - 1] <= negligible) --reach;
@@ -211,7 +215,7 @@ private:
         double returned = 0.0;
         for (std::size_t t = 1; t < reach && t <= k; ++t) returned += own[t] * variance[k - t];
         squared[k] += returned;
-        variance.push_back(factor(i, link) * squared[k]);
+        variance.push_back(factor(i + 1, link) * squared[k]);
       }
     }
     sources_.emplace_back(std::move(variance));
@@ -221,7 +225,7 @@ private:
   // contribution of the links before.
   Values loss_cumulants(std::size_t i, std::size_t link, const Values& of_innovation) const {
     Values result;
-    const double of_link = factor(i, link);
+    const double of_link = factor(i + 1, link);
     if (of_link == 0.0) return result;
     for (std::size_t k = 0; k < steps_; ++k) {
       const double square = innovation_[i][link][k], mean = innovation_means_[i][link][k];
@@ -232,8 +236,9 @@ private:
     return result;
   }
 
-  LinkedResponses responses_;
+  const PlatoonModel& model_;
   std::size_t followers_, steps_;
+  StringResponses responses_;
   std::vector<std::array<Values, 2>> innovation_means_;  ///< E e(k) per follower and link
   std::vector<Values> error_;                            ///< variance of zeta_i(k), accumulated
   std::vector<std::array<Values, 2>> innovation_;        ///< E e(k)^2 per follower and link, accumulated

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "stochastic_platoon/math/channel/link.hpp"
+#include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
-#include "stochastic_platoon/math/string/source_responses.hpp"
 
 namespace platoon {
 
@@ -16,17 +16,17 @@ GapLaw::GapLaw(const PlatoonModel& model, std::size_t followers, std::int64_t st
     : followers_(followers),
       steps_(static_cast<std::size_t>(steps)),
       moments_(signal_moments(model, {kGap}, followers, steps).front()) {
-  const SourceResponses responses(model, followers_, steps_);
+  const StringResponses responses(model, followers_, steps_);
   different_ = responses.different();
   for (std::size_t i = 1; i <= std::min(followers_, different_.count()); ++i) {
     rows_.emplace_back(vehicle(model, i).inputs.size() + 1);
-    for (const SourceResponses::Source& source : responses.sources(i)) {
+    for (const StringResponses::Source& source : responses.sources(i)) {
       std::vector<Row>& rows = rows_.back()[source.input ? *source.input + 1 : 0];
       const double deviation = std::sqrt(source.variance);
-      responses.visit(source, [&](std::size_t, const SourceResponses::Sequence& predecessor, const Motion& own) {
+      responses.visit(source, [&](std::size_t, const auto& predecessor, const auto& of) {
         rows.emplace_back(steps_);
         for (std::size_t k = 0; k < steps_; ++k)
-          rows.back()[k] = deviation * static_cast<double>(predecessor[k + 1] - own.position[k + 1]);
+          rows.back()[k] = deviation * static_cast<double>(predecessor[k + 1] - of.own.position[k + 1]);
       });
     }
   }

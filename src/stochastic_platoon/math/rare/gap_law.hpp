@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
-#include "stochastic_platoon/math/string/source_responses.hpp"
 
 namespace platoon {
 

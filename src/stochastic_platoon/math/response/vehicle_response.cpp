@@ -38,6 +38,8 @@ Motion VehicleResponse::free_motion(std::size_t count) const {
 
 Motion VehicleResponse::by_parts(Sequence state, const Motion& received) const {
   Motion own;
+  own.position.reserve(received.position.size());
+  own.input.reserve(received.position.size());
   long double input = 0.0L;
   for (std::size_t k = 0; k < received.position.size(); ++k) {
     own.position.push_back(state.front());

@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
+#include "stochastic_platoon/math/links/leader_motion.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
-#include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
@@ -134,9 +135,9 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
   unit_equilibrium(model.default_vehicle().loop.realization);
   PlatoonModel profile = model;
   profile.recorded_leader.clear();
-  const MeanVehicle::Sequence own = leader_motion(profile, static_cast<std::size_t>(steps)).position;
-  const MeanVehicle::Sequence error =
-      MeanVehicle(model.default_vehicle()).error(virtual_leader(model, static_cast<std::size_t>(steps)), own);
+  const auto count = static_cast<std::size_t>(steps);
+  const VehicleResponse::Sequence error = tracking_errors(model.default_vehicle().headway, virtual_leader(model, count),
+                                                          leader_motion(profile, count).position);
   return {error.begin(), error.end()};
 }
 

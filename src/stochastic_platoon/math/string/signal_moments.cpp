@@ -4,18 +4,42 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stochastic_platoon/math/links/linked_responses.hpp"
+#include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/simulation/trajectory.hpp"
-#include "stochastic_platoon/math/string/source_responses.hpp"
 
 namespace platoon {
 
 namespace {
 
-using Sequence = MeanVehicle::Sequence;
+using Sequence = VehicleResponse::Sequence;
+
+/// What a source of variance 1 with this response adds to the variance of a signal, and to its covariance with the step
+/// before, at every step from 0 on: sums over the steps for a noise, and the last term of each for one value at step
+/// -1.
+struct ResponseProducts {
+  Sequence variance, covariance;
+
+  ResponseProducts(const Sequence& response, bool is_noise) {
+    check_interruption();
+    for (std::size_t a = 1; a < response.size(); ++a) {
+      variance.push_back(response[a] * response[a]);
+      covariance.push_back(response[a - 1] * response[a]);
+    }
+    if (!is_noise) return;
+    for (Sequence* sums : {&variance, &covariance}) {
+      for (std::size_t k = 1; k < sums->size(); ++k) (*sums)[k] += (*sums)[k - 1];
+    }
+  }
+
+  void add(const ResponseProducts& other) {
+    for (std::size_t k = 0; k < variance.size(); ++k) variance[k] += other.variance[k];
+    for (std::size_t k = 0; k < covariance.size(); ++k) covariance[k] += other.covariance[k];
+  }
+};
 
 /// The variances of signals, one list of signals per follower, as sums over the sources of a string whose links do not
 /// lose.
@@ -27,20 +51,20 @@ public:
   void operator()(std::vector<SignalMoments>& moments) const {
     for (SignalMoments& each : moments) each.variance.assign(signals_.size() * steps_, 0.0);
     for (std::size_t i = 1; i <= std::min(signals_.size(), responses_.different().count()); ++i) {
-      for (const SourceResponses::Source& source : responses_.sources(i)) add(source, moments);
+      for (const StringResponses::Source& source : responses_.sources(i)) add(source, moments);
     }
   }
 
 private:
   // A follower hears a source, and those whole patterns farther back from the same distance: it has their shares, too.
-  void add(const SourceResponses::Source& source, std::vector<SignalMoments>& moments) const {
+  void add(const StringResponses::Source& source, std::vector<SignalMoments>& moments) const {
     const DifferentFollowers& different = responses_.different();
     const std::size_t period = source.follower > different.alone ? different.period : signals_.size();
     std::vector<std::vector<ResponseProducts>> sums(period);  // of the last followers, one entry per signal
-    responses_.visit(source, [&](std::size_t i, const Sequence& predecessor, const Motion& own) {
+    responses_.visit(source, [&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& of) {
       std::vector<ResponseProducts>& before = sums[i % period];
       for (std::size_t s = 0; s < moments.size(); ++s) {
-        const ResponseProducts share(signal_values(signals_[i - 1][s], predecessor, own), source.input.has_value());
+        const ResponseProducts share(signal_values(signals_[i - 1][s], predecessor, of.own), source.input.has_value());
         if (before.size() == s) {
           before.push_back(share);
         } else {
@@ -60,7 +84,7 @@ private:
 
   const std::vector<std::vector<Signal>>& signals_;  ///< per follower
   std::size_t steps_;
-  SourceResponses responses_;
+  StringResponses responses_;
 };
 
 // The signals of these names; if there are none, the tracking error.
@@ -77,12 +101,12 @@ std::vector<std::vector<Signal>> signals_by_follower(const PlatoonModel& model, 
 // Means in a string whose vehicles hear their predecessors only.
 void add_linked_means(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals, std::size_t steps,
                       std::vector<SignalMoments>& moments) {
-  const LinkedResponses responses(model, signals.size(), steps);
-  responses.visit_means([&](std::size_t i, const Sequence& predecessor, const MeanVehicle::Passed& passed) {
+  const StringResponses responses(model, signals.size(), steps, StringResponses::Pass::innovations);
+  responses.visit_means([&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& of) {
     for (std::size_t s = 0; s < moments.size(); ++s) {
-      const Signal& signal = signals[i][s];
-      const double apart = signal.relative ? responses.model(i).standstill_distance - signal.offset : 0.0;
-      const Sequence values = signal_values(signal, predecessor, passed.own);
+      const Signal& signal = signals[i - 1][s];
+      const double apart = signal.relative ? vehicle(model, i).standstill_distance - signal.offset : 0.0;
+      const Sequence values = signal_values(signal, predecessor, of.own);
       for (std::size_t a = 1; a < values.size(); ++a)
         moments[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));
     }
