@@ -217,7 +217,7 @@ class Program(FolderTest):
         self.assertIn("No lower bound: its time is 0 s", self.tune(self.SMALL).stdout)
 
     def test_ctrl_c_ends_it_at_each_stage_with_one_line_and_without_files(self):
-        paper = "minimise: limit_variance\nover: {}\nsteps: 10000\nrealizations: 1000000\n".format(json.dumps(PAPER_BOX))
+        paper = "minimise: limit_variance\nover: {}\nsteps: 500\nrealizations: 1000000\n".format(json.dumps(PAPER_BOX))
         cacc = "model: cacc.yaml\nminimise: critical_headway_seconds\nover: {controller/kp: [0.01, 2.0], controller/kd: [0.1, 3.0]}\n"
         for stage, text, bound in (("search", cacc, "0"), ("bound", paper, "600"), ("monte_carlo", paper, "0")):
             with self.subTest(stage):

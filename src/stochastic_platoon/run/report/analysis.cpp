@@ -67,7 +67,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (!analysis.without_theory && needs_chain_moments(model)) most_steps = most_chain_steps(model, followers);
   check_run(configuration.run, signals, most_steps, has_bursts(model) ? "losses in bursts" : "such losses");
   analysis.signals.request = signals;
-  analysis.warnings = plausibility_warnings(configuration);
+  if (keys.empty() || keys.count("warnings") > 0) analysis.warnings = plausibility_warnings(configuration);
   const VehicleModel& own = model.default_vehicle();
   if (plain) analysis.integral_defect = integral_defect(own.loop, own.headway);
   // Whether one of these keys is needed; announces the stage that computes them.
