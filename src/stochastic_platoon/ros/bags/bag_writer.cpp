@@ -58,7 +58,7 @@ BagWriter::BagWriter(std::string name, const std::string& suffix, const std::str
                      const RecordedConfiguration& configuration)
     : name_(std::move(name)), suffix_(suffix) {
   try {
-    bag_.open(name_ + suffix_, rosbag::bagmode::Write);
+    bag_->open(name_ + suffix_, rosbag::bagmode::Write);
     begin(compression, configuration);
   } catch (...) {
     abandon();
@@ -67,8 +67,9 @@ BagWriter::BagWriter(std::string name, const std::string& suffix, const std::str
 }
 
 BagWriter::~BagWriter() {
+  if (!bag_) return;
   try {
-    bag_.close();
+    bag_->close();
   } catch (const std::exception&) {
     abandon();
   }
@@ -76,8 +77,8 @@ BagWriter::~BagWriter() {
 
 void BagWriter::begin(const std::string& compression, const RecordedConfiguration& configuration) {
   write_behind_.emplace(name_ + suffix_);
-  bag_.setChunkThreshold(kChunkBytes);
-  if (compression == "lz4") bag_.setCompression(rosbag::compression::LZ4);
+  bag_->setChunkThreshold(kChunkBytes);
+  if (compression == "lz4") bag_->setCompression(rosbag::compression::LZ4);
   const auto header = boost::make_shared<ros::M_string>();
   (*header)["callerid"] = "/recorder";
   (*header)["latching"] = "1";
@@ -87,7 +88,7 @@ void BagWriter::begin(const std::string& compression, const RecordedConfiguratio
   (*header)["type"] = ros::message_traits::datatype<std_msgs::String>();
   std_msgs::String message;
   message.data = configuration.json;
-  bag_.write(configuration.topic, ros::TIME_MIN, message, header);
+  bag_->write(configuration.topic, ros::TIME_MIN, message, header);
   checksum_topic_ = configuration.topic.substr(0, configuration.topic.rfind('/') + 1) + kChecksumTopic;
   cover(configuration.topic, ros::TIME_MIN, message);
   write_checksum();
@@ -108,9 +109,9 @@ void BagWriter::end_step(bool is_last) {
 template <typename Message>
 void BagWriter::record(const std::string& topic, const ros::Time& time, const Message& message) {
   if (uncovered_bytes_ >= kCoveredAtMost) write_checksum();
-  bag_.write(topic, time, message);
+  bag_->write(topic, time, message);
   cover(topic, time, message);
-  write_behind_->advance(bag_.getSize());
+  write_behind_->advance(bag_->getSize());
 }
 
 template <typename Message>
@@ -126,7 +127,7 @@ void BagWriter::write_checksum() {
   if (uncovered_bytes_ == 0) return;
   const ros::Duration nanosecond(0, 1);
   const ros::Time time = later(latest_, nanosecond);
-  bag_.write(checksum_topic_, time, checksum_);
+  bag_->write(checksum_topic_, time, checksum_);
   latest_ = later(time, nanosecond);
   checksum_.digest = 0;
   uncovered_bytes_ = 0;
@@ -135,18 +136,22 @@ void BagWriter::write_checksum() {
 void BagWriter::close() {
   write_checksum();
   closed_bytes_ = bytes();
-  bag_.close();
+  bag_->close();
   write_behind_->finish();
 }
 
-// rosbag writes its index when it closes a file, also in its destructor, where a failure ends the program.
+// rosbag writes its index when it closes a file, also in its destructor, where a failure ends the program. A compressor
+// that has failed once fails there again: such a bag lives as long as the program.
 void BagWriter::abandon() noexcept try {
+  if (!bag_) return;
   closed_bytes_ = bytes();
   if (!write_behind_) write_behind_.emplace(name_ + suffix_);  // the first bytes of the file could not be written
   write_behind_->divert_others();
-  bag_.close();
+  bag_->close();
   write_behind_->finish();
 } catch (...) {
+  static auto* const never_closed = new std::vector<std::unique_ptr<rosbag::Bag>>;
+  never_closed->push_back(std::move(bag_));
 }
 
 void BagWriter::complete() {

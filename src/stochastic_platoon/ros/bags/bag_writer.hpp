@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -58,7 +59,7 @@ public:
   void set_suffix(const std::string& suffix);
 
   /// Bytes written.
-  std::uint64_t bytes() const { return bag_.isOpen() ? bag_.getSize() : closed_bytes_; }
+  std::uint64_t bytes() const { return bag_ && bag_->isOpen() ? bag_->getSize() : closed_bytes_; }
 
 private:
   void begin(const std::string& compression, const RecordedConfiguration& configuration);
@@ -74,9 +75,9 @@ private:
   std::string checksum_topic_;
   stochastic_platoon::Checksum checksum_;  ///< the next one, over the messages since the latest
   std::uint64_t uncovered_bytes_ = 0;
-  ros::Time latest_ = ros::TIME_MIN;  ///< latest recorded time
-  rosbag::Bag bag_;
-  std::optional<WriteBehind> write_behind_;  ///< none until the file is open
+  ros::Time latest_ = ros::TIME_MIN;                                    ///< latest recorded time
+  std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();  ///< none if it could not be closed
+  std::optional<WriteBehind> write_behind_;                             ///< none until the file is open
 };
 
 constexpr char kActiveSuffix[] = ".active";

@@ -108,5 +108,28 @@ TEST_F(RunRecordingTest, BeginsOnAFullDiskWithAnErrorAndLaterWithout) {
   EXPECT_EQ(folder_.entries(), Names{"run.bag"});
 }
 
+TEST_F(RunRecordingTest, EndsOnAFullDiskWithAnErrorAlsoIfItCompresses) {
+  constexpr std::uint64_t kMany = 1000;  // 8 kB a message
+  set_batches(2, kMany);
+  configuration_.run.record_compression = "lz4";
+  ignore_file_size_signal();
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  {
+    RunRecording recorder = recording();
+    send(recorder, 1, 0);
+    send(recorder, 1, kMany);
+    const rlimit full{5000, limit.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
+    EXPECT_THROW(finish(recorder), std::runtime_error);
+  }  // must not end the program
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  RunRecording recorder = recording();
+  send(recorder, 2, 0);
+  send(recorder, 2, kMany);
+  finish(recorder);
+  EXPECT_EQ(places_in(bag_), whole({{2, 0}, {2, kMany}}));
+}
+
 }  // namespace
 }  // namespace platoon
