@@ -62,7 +62,8 @@ double LossFilter::slope() const {
 }
 
 double LossFilter::lag() const {
-  return kernel_ ? kernel_->lag() : loss_.probability * slope() / (1.0 - loss_.probability);
+  if (kernel_) return slope() * kernel_->at(0.0).deviation.real();
+  return loss_.probability * slope() / (1.0 - loss_.probability);
 }
 
 int LossFilter::surprise_zeros() const {

@@ -36,7 +36,6 @@ void require_theory(const LossModel& loss) {
 LossKernel::LossKernel(const LossModel& loss) : chain_(loss) {
   require_theory(loss);
   const Eigen::Index m = chain_.registers(), modes = chain_.modes(), arrived = chain_.arrived(), lost = chain_.lost();
-  for (Eigen::Index j = 0; j < m; ++j) slope_ += static_cast<double>(j + 1) * chain_.predictor()(j);
   forgets_ = loss.predictor.empty();
   transition_ = chain_.first_moments();
   entry_ = chain_.differences().col(0);

@@ -61,12 +61,6 @@ public:
 
   const std::vector<std::complex<double>>& memories() const { return memories_; }  ///< lambda_m
 
-  /// c_1 + 2 c_2 + ...
-  double slope() const { return slope_; }
-
-  /// Mean lag of a signal that grows steadily [steps].
-  double lag() const { return slope_ * at(0.0).deviation.real(); }
-
   /// Poles and zeros of T_L, and T_L in a hundred digits.
   const GainFactor& factor() const { return factor_; }
   const ExactTransfer& transfer() const { return *transfer_; }
@@ -77,7 +71,6 @@ private:
   Eigen::Index block(Eigen::Index mode) const { return mode * chain_.registers(); }
 
   LossChain chain_;
-  double slope_ = 0.0;
   bool forgets_ = false;  ///< a lost value is 0
   // In the coordinates LossChain::differences(), where e' stays the output of r:
   Eigen::MatrixXd transition_;  ///< [Pi_ac A_c]
