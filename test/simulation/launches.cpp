@@ -1,6 +1,7 @@
 #include "simulation/launches.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -53,6 +54,12 @@ std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool
   if (any(random, 0, 4) == 0) settings["rate"] = "200";
   if (any(random, 0, 2) == 0) settings["signals"] = "gap,speed";
   if (any(random, 0, 2) == 0) settings["record"] = "yes";
+  if (any(random, 0, 2) == 0) settings["record_compression"] = "lz4";
+  if (!endless && any(random, 0, 9) == 0) {  // enough for a recording in parts
+    settings["realizations"] = std::to_string(any(random, 1000, 5000));
+    settings["batch"] = std::to_string(any(random, 200, 600));
+    settings["record_split_mb"] = "1";
+  }
   if (any(random, 0, 3) == 0) settings["external"] = std::to_string(any(random, 1, followers));
   if (!endless) return settings;
   settings.erase("signals");
@@ -73,7 +80,7 @@ Configuration launched(const std::map<std::string, std::string>& settings) {
 
 Configuration replayed(const std::string& bag, const std::string& output) {
   return parse_configuration(
-      configuration_document(configuration_to_repeat({{bag}}), {{"output", output}, {"launch_id", output}}));
+      configuration_document(configuration_to_repeat({bag_files(bag)}), {{"output", output}, {"launch_id", output}}));
 }
 
 std::string description(const Configuration& configuration) {
@@ -106,6 +113,16 @@ const std::string& reference(const Configuration& configuration) {
   return known[key] = statistics_csv(plain, predict(plain), run.result);
 }
 
+std::string recorded_files(const RunOptions& run) {
+  if (run.record_split_mb == 0) return run.record;
+  std::string all;
+  for (int part = 0;; ++part) {
+    const std::string name = run.record.substr(0, run.record.size() - 4) + formatted("_%d.bag", part);
+    if (!std::filesystem::exists(name)) return all;
+    all += (all.empty() ? "" : " ") + name;
+  }
+}
+
 std::string problem_of(const Configuration& configuration, bool recorded) {
   const RunOptions& run = configuration.run;
   const std::string& wanted = reference(configuration);
@@ -113,7 +130,8 @@ std::string problem_of(const Configuration& configuration, bool recorded) {
     return run.output + "/statistics.csv is not that of monte_carlo";
   if (!recorded) return "";
   try {
-    const BagStatistics found = statistics_of_bags({{run.record}}, [](std::uint64_t, std::uint64_t) {});
+    const BagStatistics found =
+        statistics_of_bags({bag_files(recorded_files(run))}, [](std::uint64_t, std::uint64_t) {});
     if (!found.findings.empty()) return run.record + ": " + found.findings.front();
     if (!found.result.complete) return run.record + ": is not complete";
     if (statistics_csv(configuration, predict(configuration), found.result) != wanted)

@@ -28,6 +28,9 @@ Configuration of_any_launch(Configuration configuration);
 /// statistics.csv as monte_carlo computes it.
 const std::string& reference(const Configuration& configuration);
 
+/// The files of a complete recording, as bag_files() takes them.
+std::string recorded_files(const RunOptions& run);
+
 /// What is wrong with the results of a complete run and, if `recorded`, with its recording; empty if nothing is.
 std::string problem_of(const Configuration& configuration, bool recorded);
 

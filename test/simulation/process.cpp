@@ -15,6 +15,13 @@ std::string name_of(Process::Program program, std::uint32_t index) {
   return std::string(kNamespace) + "/" + names[static_cast<int>(program)] + (is_follower ? std::to_string(index) : "");
 }
 
+// The beginnings of the names of a recording's files.
+std::vector<std::string> files_of(const std::string& record) {
+  if (record.empty()) return {};
+  const std::string file = std::filesystem::absolute(record).string();
+  return {file, file.substr(0, file.size() - 4) + "_"};
+}
+
 }  // namespace
 
 Process::Process(World& world, Machine& machine, Program program, std::uint32_t index, bool kept, std::string bag)
@@ -59,17 +66,18 @@ void Process::construct() {
   } else if (program_ == Program::platoon) {
     constexpr std::size_t kThreads = 2;  // their queues are that of the node here
     files_ = {std::filesystem::absolute(run.output).string() + "/"};
-    if (!run.record.empty()) files_.push_back(std::filesystem::absolute(run.record).string());
+    for (const std::string& file : files_of(run.record)) files_.push_back(file);
     platoon_ = std::make_unique<OneProcess>(platoon, *configuration, kThreads, superseded());
   } else if (program_ == Program::player) {
-    player_ = std::make_unique<Player>(platoon, ros::NodeHandle(name_), *configuration, PlayerOptions{{{bag_}}});
+    player_ =
+        std::make_unique<Player>(platoon, ros::NodeHandle(name_), *configuration, PlayerOptions{{bag_files(bag_)}});
   } else if (program_ == Program::vehicle_replay) {
     constexpr double kPatience = 1000.0;  // [s]
     vehicle_replay_ =
-        std::make_unique<VehicleReplay>(platoon, *configuration, BagSource{{bag_}}, index_, false, kPatience);
+        std::make_unique<VehicleReplay>(platoon, *configuration, BagSource{bag_files(bag_)}, index_, false, kPatience);
   } else {
     if (!run.record.empty()) {
-      files_ = {std::filesystem::absolute(run.record).string()};
+      files_ = files_of(run.record);
       recorder_ = std::make_unique<Recorder>(platoon, *configuration, superseded());
     }
     const auto followers = static_cast<std::uint32_t>(run.followers);

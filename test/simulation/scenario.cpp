@@ -104,7 +104,7 @@ private:
     const bool whole = configuration_->run.first_realization == 0 && !configuration_->run.record.empty();
     const std::string problem = problem_of(*configuration_, whole);
     if (!problem.empty()) throw Failure(problem);
-    if (whole) replay(configuration_->run.record);
+    if (whole) replay(recorded_files(configuration_->run));
   }
 
   /// Returns whether the run is complete; else it is to be resumed.
