@@ -64,6 +64,19 @@ class RecordAndReplay(BagTest):
         terminal.wait(60)
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
 
+    def test_a_replay_of_an_endless_recording_whose_monitor_is_killed_ends_with_the_reason(self):
+        def launched(name, *arguments, **more):
+            output = self.path(name)
+            terminal = self.launch(*arguments, output=output, **more)
+            live_platoon.wait_for(lambda: os.path.exists(os.path.join(output, "checkpoint.previous.cbor")), "two checkpoints of " + name, 60)
+            return terminal
+
+        launched("endless", "platoon.launch", followers=2, steps=0, rate=200, record=self.bag).interrupt()
+        terminal = launched("again", "replay.launch", bag=self.bag + ".active", rate=1)
+        live_platoon.kill("/platoon/monitor", terminal.master)
+        terminal.wait(60)
+        self.assertIn("the monitor was started again and has lost its place in an endless recording: replay it again", terminal.text())
+
     def test_a_platoon_time_that_went_back_in_the_run_leaves_nothing_out(self):
         # As after a kill of all nodes that know it.
         self.record(followers=2, steps=20, realizations=40, batch=10)

@@ -68,6 +68,12 @@ void Player::receive(const Progress::ConstPtr& message) {
     return play();
   }
   const std::int64_t acknowledged = steps_covered(schedule_, 0, report);
+  // Each attempt of an endless recording begins with step -1 again.
+  if (schedule_.endless() && acknowledged < acknowledged_ && message->attempt <= reported_attempt_) {
+    throw BagError(options_.bags.files.front() +
+                   ": the monitor was started again and has lost its place in an endless recording: replay it again");
+  }
+  reported_attempt_ = message->attempt;
   if (acknowledged != acknowledged_) {
     is_behind_ = acknowledged < acknowledged_;
     last_progress_ = now();

@@ -29,7 +29,8 @@ struct PlayerOptions {
 ///
 /// If the monitor has lost messages, as one that was killed, the replay begins again with the first batch that is not
 /// complete, under a newer attempt. It ends with a BagError if ten repetitions complete no batch. An endless recording
-/// and one without its beginning are not repeated.
+/// is not repeated, as the averages already hold its steps: the replay ends with a BagError. One without its beginning
+/// is not repeated either.
 ///
 /// Subscribes: progress (stochastic_platoon/Progress). Publishes: `vehicle_<i>/position` (stochastic_platoon/Position).
 /// Service: ~pause_playback (std_srvs/SetBool), as in rosbag play.
@@ -59,6 +60,7 @@ private:
   std::map<std::pair<PlatoonTopic::Kind, std::size_t>, ros::Publisher> played_;  ///< by kind and vehicle
   bool heard_ = false;                                                           ///< the monitor has reported
   std::int64_t acknowledged_ = 0;                                                ///< steps
+  std::uint32_t reported_attempt_ = 0;                                           ///< of the monitor's latest report
   std::uint64_t committed_ = 0;       ///< realizations that the monitor has completed
   double last_progress_ = 0.0;        ///< [s]
   double last_published_ = 0.0;       ///< [s]
