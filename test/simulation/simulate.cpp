@@ -3,6 +3,7 @@
 // is 1 if there is one. Of the first of them it prints the shortest history that fails.
 
 #include <ros/time.h>
+#include <rosbag/bag.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -132,6 +133,8 @@ int main(int argc, char** argv) {
     const std::string own = std::string(folder) + "/" + std::to_string(worker);
     std::filesystem::create_directory(own);
     std::filesystem::current_path(own);
+    // Each bag loads the library of its plugins; while one is open, it stays loaded.
+    static rosbag::Bag open(own + "/open.bag", rosbag::bagmode::Write);
   };
   if (argc == 4) {
     within(0);
