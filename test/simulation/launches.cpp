@@ -27,9 +27,17 @@ std::size_t any(std::mt19937_64& random, std::size_t from, std::size_t to) {
   return from + random() % (to - from + 1);
 }
 
+void make_endless(std::mt19937_64& random, std::map<std::string, std::string>& settings) {
+  settings.erase("signals");
+  settings["steps"] = "0";
+  settings["realizations"] = settings["batch"] = "1";
+  settings["rate"] = std::to_string(any(random, 10, 100));
+  settings["burn_in"] = std::to_string(any(random, 0, kEndlessSteps / 2));
+}
+
 }  // namespace
 
-std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool endless) {
+std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool endless, const std::string& name) {
   static const char* const models[] = {"paper.yaml",
                                        "cacc.yaml",
                                        "lossy.yaml",
@@ -53,7 +61,7 @@ std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool
   settings["stall_timeout"] = any(random, 0, 3) == 0 ? "0.5" : "2";
   if (any(random, 0, 4) == 0) settings["rate"] = "200";
   if (any(random, 0, 2) == 0) settings["signals"] = "gap,speed";
-  if (any(random, 0, 2) == 0) settings["record"] = "yes";
+  if (any(random, 0, 2) == 0) settings["record"] = name + ".bag";
   if (any(random, 0, 2) == 0) settings["record_compression"] = "lz4";
   if (!endless && any(random, 0, 9) == 0) {  // enough for a recording in parts
     settings["realizations"] = std::to_string(any(random, 1000, 5000));
@@ -61,12 +69,9 @@ std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool
     settings["record_split_mb"] = "1";
   }
   if (any(random, 0, 3) == 0) settings["external"] = std::to_string(any(random, 1, followers));
-  if (!endless) return settings;
-  settings.erase("signals");
-  settings["steps"] = "0";
-  settings["realizations"] = settings["batch"] = "1";
-  settings["rate"] = std::to_string(any(random, 10, 100));
-  settings["burn_in"] = std::to_string(any(random, 0, kEndlessSteps / 2));
+  settings["output"] = name;
+  if (endless) make_endless(random, settings);
+  if (random() % 4 == 0) settings["hosting"] = "one_process";
   return settings;
 }
 

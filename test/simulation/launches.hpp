@@ -10,8 +10,9 @@ namespace platoon::simulation {
 
 constexpr std::int64_t kEndlessSteps = 40;  ///< an endless run is interrupted after them
 
-/// The settings of a random small launch: paper, radios, losses, unlike cars, limits, inputs of several vehicles.
-std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool endless);
+/// The settings of a random small launch: paper, radios, losses, unlike cars, limits, inputs of several vehicles. It
+/// writes to the folder `name`, and may record to `name`.bag.
+std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool endless, const std::string& name);
 
 /// The configuration that platoon.launch passes to its nodes. Throws ConfigurationError as `configure` does.
 Configuration launched(const std::map<std::string, std::string>& settings);

@@ -74,6 +74,29 @@ bool Roslaunch::is_replay() const {
   return std::any_of(launched_.begin(), launched_.end(), [](const auto& process) { return process->is_required(); });
 }
 
+Process* Roslaunch::process_of(const Node& node) const {
+  const std::vector<Process*> all = processes();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&node](const Process* process) { return process->node() == &node; });
+  return found != all.end() ? *found : nullptr;
+}
+
+bool Roslaunch::is_required(const Node& node) const {
+  const Process* const process = process_of(node);
+  return process != nullptr && process->is_required();
+}
+
+// Not within the callback of the node that ends.
+void Roslaunch::ended(const Node& node) {
+  Process* const process = process_of(node);
+  if (process == nullptr) return;
+  world_.after(0.0, nullptr, [this, process, number = node.number()] {
+    if (!process->runs() || process->node()->number() != number) return;
+    process->fail();
+    respawn(*process);
+  });
+}
+
 void Roslaunch::respawn(Process& process) {
   const bool outlives = !kept_.empty() && process.program() == Process::Program::follower;
   process.start_again([this, outlives, launch = number_] { return outlives || (is_up_ && launch == number_); });

@@ -45,13 +45,20 @@ public:
   /// All nodes, those of the present launch last.
   std::vector<Process*> processes() const;
   const std::vector<std::unique_ptr<Process>>& launched() const { return launched_; }
-  /// Whether the present launch is a replay, which ends with the node that reads the
-  /// recording.
+  /// Whether the present launch is a replay, which ends with the node that reads the recording.
   bool is_replay() const;
 
+  /// Starts a process again that has ended, unless its launch ends before.
   void respawn(Process& process);
 
+  /// Whether its launch ends with this node.
+  bool is_required(const Node& node) const;
+  /// A node has ended with an error.
+  void ended(const Node& node);
+
 private:
+  Process* process_of(const Node& node) const;
+
   World& world_;
   Machine& machine_;
   std::vector<std::unique_ptr<Process>> kept_, launched_, ended_;

@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 #include <random>
-#include <stdexcept>
 #include <utility>
 
+#include "simulation/history.hpp"
 #include "simulation/launches.hpp"
 #include "simulation/outsiders.hpp"
 #include "simulation/roslaunch.hpp"
@@ -19,24 +19,17 @@ namespace platoon::simulation {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kPatience = 300.0;          // [s] from the last fault to the end of a run
 constexpr double kCalm = 1.0;                // [s] from the last fault, as reports of a killed monitor arrive later
 constexpr std::uint32_t kMostFollowers = 4;  // of any launch
 
-/// A run that ends for a reason that is no fault of a simulated thing.
-class Failure : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 class Scenario {
 public:
   explicit Scenario(const Plan& plan)
-      : plan_(plan), random_(plan.seed * 2 + 1), world_(plan.seed), roslaunch_(world_, machine_) {
-    began_ = last_fault_ = world_.now();
-    due_ = began_ + (plan_.faults.empty() ? 0.0 : plan_.faults.front().wait);
-    world_.log = [this](const std::string& line) { log(line); };
+      : plan_(plan), random_(plan.seed * 2 + 1), world_(plan.seed), roslaunch_(world_, machine_), history_(world_) {
+    last_fault_ = world_.now();
+    due_ = last_fault_ + (plan_.faults.empty() ? 0.0 : plan_.faults.front().wait);
+    world_.log = [this](const std::string& line) { history_.log(line); };
     world_.died = [this](Node& node, const std::string& error) { died(node, error); };
     world_.tamper = [this](const SentTopic& topic, const ros::SerializedMessage& message) {
       return tampered(topic, message);
@@ -49,57 +42,32 @@ public:
   Outcome run() {
     try {
       while (next_fault_ < plan_.faults.size() || launches_ == 0) launch();
-    } catch (const Failure& failure) {
-      outcome_.wrong = failure.what();
     } catch (const std::exception& error) {
-      outcome_.wrong = std::string("exception: ") + error.what();
+      outcome_.wrong =
+          (dynamic_cast<const Failure*>(&error) != nullptr ? "" : "exception: ") + std::string(error.what());
     }
+    outcome_.history = history_.lines();
     return std::move(outcome_);
   }
 
 private:
-  void note(const std::string& text) { outcome_.history.push_back(formatted("%.6f ", world_.now() - began_) + text); }
-
-  void log(const std::string& line) {
-    note(line);
-    const std::size_t stall = line.find("run stalled: ");
-    if (stall == std::string::npos) return;
-    const std::string cause = line.substr(stall + 13);
-    const bool is_named = cause.find("vehicle_") != std::string::npos || cause.find("recorder") != std::string::npos ||
-                          cause.find("vehicles are not running") != std::string::npos;
-    if (!is_named) throw Failure("a stall without a cause: " + line);
-  }
-
   void died(Node& node, const std::string& error) {
-    note(node.name() + ": ended with an error: " + error);
-    for (Process* const process : roslaunch_.processes()) {
-      if (process->node() == &node) {
-        if (process->is_required()) throw Failure("a replay ended: " + error);
-        // Not within the callback of the node that ends.
-        world_.after(0.0, nullptr, [this, process, number = node.number()] {
-          if (!process->runs() || process->node()->number() != number) return;
-          process->fail();
-          roslaunch_.respawn(*process);
-        });
-      }
-    }
+    history_.note(node.name() + ": ended with an error: " + error);
+    if (roslaunch_.is_required(node)) throw Failure("a replay ended: " + error);
+    roslaunch_.ended(node);
     if (++errors_ > 1000) throw Failure("a node ends with an error again and again: " + error);
   }
 
   void launch() {
     ++launches_;
     const bool is_endless = random_() % 6 == 0;
-    settings_ = random_settings(random_, is_endless);
+    const std::string name = "out/" + std::to_string(launches_);
+    settings_ = random_settings(random_, is_endless, name);
     if (roslaunch_.keeps_followers()) settings_.erase("external");
-    if (random_() % 4 == 0) settings_["hosting"] = "one_process";
-    const std::string number = std::to_string(launches_);
-    const bool records = settings_.erase("record") > 0;
-    settings_["output"] = "out/" + number;
-    if (records) settings_["record"] = "out/" + number + ".bag";
     if (is_endless) return launch_endless();
     for (int attempt = 0; !launch_once(attempt); ++attempt) {
       settings_["resume"] = "true";
-      if (records) settings_["record"] = "out/" + number + "_" + std::to_string(attempt) + ".bag";
+      if (settings_.count("record") > 0) settings_["record"] = name + "_" + std::to_string(attempt) + ".bag";
     }
     const bool whole = configuration_->run.first_realization == 0 && !configuration_->run.record.empty();
     const std::string problem = problem_of(*configuration_, whole);
@@ -117,24 +85,19 @@ private:
   void launch_endless() {
     settings_["launch_id"] = formatted("launch_%d", launches_);
     configuration_ = simulation::launched(settings_);
-    runs_.clear();
-    add_run(*configuration_);
+    runs_ = {*configuration_};
+    run_ = run_identity(*configuration_);
     faults_left_ = 2 + random_() % 15;
     const bool complete = carry_out(roslaunch_.nodes_of(configuration_->run), [this] {
       return faults_are_over() && observer_->has(run_, kEndlessSteps, last_fault_ + kCalm);
     });
     faults_left_.reset();
-    if (complete && !fs::exists(runs_.back().run.output + "/statistics.csv"))
+    if (complete && !std::filesystem::exists(runs_.back().run.output + "/statistics.csv"))
       throw Failure(runs_.back().run.output + " has no results");
     for (const Configuration& run : runs_) {
       const std::string problem = changes_ && !run.run.record.empty() ? problem_of_endless(run, lost_power_) : "";
       if (!problem.empty()) throw Failure(problem);
     }
-  }
-
-  void add_run(const Configuration& configuration) {
-    runs_.push_back(configuration);
-    run_ = run_identity(configuration);
   }
 
   /// Into a monitor, or of the inputs of one live follower.
@@ -161,8 +124,8 @@ private:
   /// Launches the nodes and waits until the launch is done, which is returned, or interrupted.
   bool carry_out(const std::vector<Part>& parts, const std::function<bool()>& is_done) {
     world_.parameters[std::string(kNamespace) + "/configuration"] = to_json(*configuration_).dump();
-    note(description(*configuration_) + ", " + fs::path(settings_["model"]).filename().string() +
-         (roslaunch_.keeps_followers() ? ", kept followers" : ""));
+    history_.note(description(*configuration_) + ", " + std::filesystem::path(settings_["model"]).filename().string() +
+                  (roslaunch_.keeps_followers() ? ", kept followers" : ""));
     changes_ = random_() % 2 == 0;
     is_interrupted_ = lost_power_ = false;
     roslaunch_.launch(parts);
@@ -208,14 +171,14 @@ private:
   }
 
   void inflict(const Fault& fault) {
-    note("FAULT " + to_string(fault));
+    history_.note("FAULT " + to_string(fault));
     if (faults_left_ && fault.which / 7 % 4 == 0) return order(fault);
     const std::vector<Process*> all = roslaunch_.processes();
     Process& process = *all[fault.which % all.size()];
     switch (fault.kind) {
       case FaultKind::kill:
         if (fault.which / 11 % 16 == 0) {
-          note("all of the launch");
+          history_.note("all of the launch");
           for (const auto& each : roslaunch_.launched()) end(*each, true);
           return;
         }
@@ -224,11 +187,11 @@ private:
         return end(process, false);
       case FaultKind::pause:
         if (!process.runs()) return;
-        note(process.name());
+        history_.note(process.name());
         return world_.pause(*process.node(), 6.0 * fault.extent * fault.extent);
       case FaultKind::cut:
       case FaultKind::slow:
-        return note(disturb_connection(world_, fault));
+        return history_.note(disturb_connection(world_, fault));
       case FaultKind::full_disk:
         return fill_disk(world_, fault);
       case FaultKind::set_clock:
@@ -249,7 +212,7 @@ private:
 
   void end(Process& process, bool killed) {
     if (!process.runs()) return;
-    note(process.name());
+    history_.note(process.name());
     if (killed)
       process.kill();
     else
@@ -260,26 +223,23 @@ private:
       roslaunch_.respawn(process);
   }
 
-  // Not within the callback of a node, which would end with the exception.
-  void fail(const std::string& what) {
-    world_.after(0.0, nullptr, [what] { throw Failure(what); });
-  }
-
   void order(const Fault& fault) {
     if (changes_) return operator_->change_run(fault.which, fault.extent);
-    note(operator_->drive(fault.which, fault.extent));
+    history_.note(operator_->drive(fault.which, fault.extent));
   }
 
   void answered(const std::string& service, const std_srvs::TriggerResponse& response) {
-    note(service + (response.success ? ": " : ": rejected: ") + response.message);
+    history_.note(service + (response.success ? ": " : ": rejected: ") + response.message);
     if (!response.success) return;
     if (configuration_->run.averaging() == Averaging::over_realizations)
-      return fail("a run over realizations has taken an order: " + response.message);
+      return history_.fail("a run over realizations has taken an order: " + response.message);
     if (service != kChangeRunService) return;
     const std::string text = world_.parameters[std::string(kNamespace) + "/configuration"];
     const Configuration next = parse_configuration(text);
-    if (next.run.number == runs_.back().run.number) return fail("an answered order is not in the configuration");
-    add_run(next);
+    if (next.run.number == runs_.back().run.number)
+      return history_.fail("an answered order is not in the configuration");
+    runs_.push_back(next);
+    run_ = run_identity(next);
     if (!world_.happens(0.3)) return;
     world_.after(world_.uniform(0.0, 0.05), nullptr, [this] {
       for (Process* const process : roslaunch_.processes()) {
@@ -309,7 +269,8 @@ private:
   Machine machine_;
   World world_;
   Roslaunch roslaunch_;
-  double began_ = 0.0, last_fault_ = 0.0, due_ = 0.0;  // [s]; due_: the next fault
+  History history_;
+  double last_fault_ = 0.0, due_ = 0.0;  // [s]; due_: the next fault
   Outcome outcome_;
   std::size_t next_fault_ = 0;
   int launches_ = 0, errors_ = 0;  // launches_: without the resumed ones and the replays
@@ -329,8 +290,8 @@ private:
 }  // namespace
 
 Outcome carry_out(const Plan& plan) {
-  fs::remove_all("out");
-  fs::create_directory("out");
+  std::filesystem::remove_all("out");
+  std::filesystem::create_directory("out");
   return Scenario(plan).run();
 }
 
