@@ -67,16 +67,19 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (!analysis.without_theory && needs_chain_moments(model)) most_steps = most_chain_steps(model, followers);
   check_run(configuration.run, signals, most_steps, has_bursts(model) ? "losses in bursts" : "such losses");
   analysis.signals.request = signals;
-  if (keys.empty() || keys.count("warnings") > 0) analysis.warnings = plausibility_warnings(configuration);
   const VehicleModel& own = model.default_vehicle();
   if (plain) analysis.integral_defect = integral_defect(own.loop, own.headway);
-  // Whether one of these keys is needed; announces the stage that computes them.
+  const auto needs_any = [&keys](std::initializer_list<const char*> computed) {
+    return keys.empty() ||
+           std::any_of(computed.begin(), computed.end(), [&keys](const char* key) { return keys.count(key) > 0; });
+  };
+  // The same; announces the stage that computes them.
   const auto needs = [&](const char* stage, std::initializer_list<const char*> computed) {
-    const bool needed = keys.empty() || std::any_of(computed.begin(), computed.end(),
-                                                    [&keys](const char* key) { return keys.count(key) > 0; });
+    const bool needed = needs_any(computed);
     if (needed) begins(stage);
     return needed;
   };
+  if (needs_any({"warnings"})) analysis.warnings = plausibility_warnings(configuration);
   if (plain && needs("rounding", {"rounding"}))
     analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
   if (has_limits(model) && needs("the same cars without limits", {"linear"})) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/math/links/string_spectra.hpp"
@@ -97,8 +98,11 @@ TEST(LossScatter, ScatterTheSameOnAnyNodes) {
 TEST(LossScatter, ScattersCrossSpectraAsTheKernelDoes) {
   constexpr std::size_t kNodes = 256;
   const auto sent_at = [](double nu) { return std::polar(1.0, -2.0 * nu) / (1.0 - 0.6 * std::polar(1.0, nu)); };
-  for (const LossModel& loss :
-       {LossModel{0.3, {}, {1.5, -0.5}}, LossModel{0.3, 2.2, {1.0}}, LossModel{0.2, 1.05, {}}}) {
+  const std::pair<LossModel, double> cases[] = {// and c_1 + 2 c_2
+                                                {{0.3, {}, {1.5, -0.5}}, 0.5},
+                                                {{0.3, 2.2, {1.0}}, 1.0},
+                                                {{0.2, 1.05, {}}, 0.0}};
+  for (const auto& [loss, slope] : cases) {
     const SpectralNodes nodes(kNodes);
     const LossScatter losses(LossFilter(loss), nodes);
     const LossKernel kernel(loss);
@@ -123,6 +127,7 @@ TEST(LossScatter, ScattersCrossSpectraAsTheKernelDoes) {
       const double of_constant = kernel.kernel(at_w, w, constant, 0.0);
       EXPECT_NEAR(losses.of_constant_drive()(k), of_constant, 1e-12 * std::max(1.0, of_constant)) << w;
     }
+    EXPECT_NEAR(losses.slope(), slope, 1e-15);
   }
 }
 
