@@ -197,7 +197,6 @@ int configure_main(int argc, char** argv) {
         {"first", "first vehicle that the launch starts"},
         {"last", "last vehicle that the launch starts"},
         {"kept", "true: check `first` and `last` of followers.launch, and nothing else"},
-        {"own", "renamed: external (rejected when given)"},
         {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
         {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
         {"unverified", "true: with --bag, also of recordings without checksums"}}});
@@ -210,9 +209,6 @@ int configure_main(int argc, char** argv) {
       require_range(line, platoon::kMaxFollowers, true);
       return 0;
     }
-    if (!line["own"].empty())
-      throw platoon::ConfigurationError(
-          {"own: " + line["own"] + ": renamed: must be given as external:=" + line["own"]});
     const std::vector<std::string> undeclared =
         platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
     if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);

@@ -123,7 +123,7 @@ FILES = [
     ("{a: " * 100000, "must be YAML: "),
 ]
 
-EXTERNAL = "must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"
+EXTERNAL = "must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7, or none"
 
 # A launch argument, its value and the message.
 ARGUMENTS = [
@@ -162,7 +162,6 @@ ARGUMENTS = [
     ("window", "1048577", "run/window: 1048577: must be a whole number from 0 to 1048576"),
     ("stall_timeout", "-1", "run/stall_timeout: -1: " + NOT_NEGATIVE),
     ("stall_timeout", "1e-9", "run/stall_timeout: 1e-09: must be 0 or at least 0.001"),
-    ("own", "3,7", "own: 3,7: renamed: must be given as external:=3,7"),
     ("external", "0", "run/external: 0: " + EXTERNAL),
     ("external", "21", "run/external: 21: " + EXTERNAL),
     ("external", "3,7,3", "run/external: 3,7,3: " + EXTERNAL),

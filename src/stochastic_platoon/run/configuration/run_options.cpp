@@ -38,10 +38,12 @@ double read_zero_or_more(Section& section, const std::string& key, double least)
   return value;
 }
 
-// Each number must have one spelling, because the launch files compare the entries of the list as text.
+// Each number must have one spelling, because the launch files compare the entries of the list as text. "none" leaves
+// out the external vehicles of a recording that is repeated.
 std::vector<std::size_t> read_external(Section& section, std::size_t followers) {
   const std::string text = section.text("external");
   std::set<std::size_t> external;
+  if (text == "none") return {};
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
     std::size_t vehicle = 0;
@@ -49,9 +51,9 @@ std::vector<std::size_t> read_external(Section& section, std::size_t followers) 
     const bool is_one = read.ec == std::errc() && std::to_string(vehicle) == word && vehicle >= 1 &&
                         vehicle <= followers && external.insert(vehicle).second;
     if (is_one && (text.empty() || text.back() != ',')) continue;
-    section.reject(
-        "external", printable(shortened(text)),
-        "numbers of followers from 1 to " + std::to_string(followers) + ", each once, separated by commas, as in 3,7");
+    section.reject("external", printable(shortened(text)),
+                   "numbers of followers from 1 to " + std::to_string(followers) +
+                       ", each once, separated by commas, as in 3,7, or none");
     return {};
   }
   return {external.begin(), external.end()};

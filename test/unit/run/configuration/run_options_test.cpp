@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "unit/run/configuration/model_text.hpp"
 
@@ -126,10 +127,21 @@ TEST(RunOptions, ListTheExternalVehicles) {
 TEST(RunOptions, NameAnInvalidListOfExternalVehicles) {
   for (const char* given :
        {"0", "21", "3,3", "three", "3,", ",3", "3, 4", "03", "-1", "3.0", "3;4", "99999999999999999999999"}) {
-    EXPECT_EQ(problems_with("external", given),
-              Problems{std::string("run/external: ") + given +
-                       ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7"});
+    EXPECT_EQ(
+        problems_with("external", given),
+        Problems{std::string("run/external: ") + given +
+                 ": must be numbers of followers from 1 to 20, each once, separated by commas, as in 3,7, or none"});
   }
+}
+
+TEST(RunOptions, LeaveOutTheExternalVehiclesOfARecording) {
+  const Configuration recorded = parse_configuration(configuration_document({{"external", "2"}, {"followers", "3"}}));
+  const auto repeated = [&recorded](const char* external) {
+    return parse_configuration(configuration_document(recorded, {{"followers", "1"}, {"external", external}})).run;
+  };
+  EXPECT_TRUE(repeated("none").external.empty());
+  EXPECT_FALSE(to_json(repeated("none")).contains("external"));
+  EXPECT_THROW(repeated("2"), ConfigurationError) << "one that is no longer there";
 }
 
 TEST(RunOptions, HaveTheirSignalsInOneOrder) {
