@@ -13,6 +13,11 @@ class Failure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Throws Failure for a problem that is not empty.
+inline void require_none(const std::string& problem) {
+  if (!problem.empty()) throw Failure(problem);
+}
+
 /// What happens in a world, with the times since this object was made.
 class History {
 public:

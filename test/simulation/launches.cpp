@@ -60,6 +60,9 @@ std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool
   settings["window"] = std::to_string(any(random, 2, 40));
   settings["stall_timeout"] = any(random, 0, 3) == 0 ? "0.5" : "2";
   if (any(random, 0, 4) == 0) settings["rate"] = "200";
+  if (any(random, 0, 5) == 0) settings["delay"] = std::to_string(any(random, 0, 6));
+  if (any(random, 0, 5) == 0) settings["loss"] = "0.15";
+  if (settings.count("loss") > 0 && any(random, 0, 1) == 0) settings["mean_burst"] = "2.5";
   if (any(random, 0, 2) == 0) settings["signals"] = "gap,speed";
   if (any(random, 0, 2) == 0) settings["record"] = name + ".bag";
   if (any(random, 0, 2) == 0) settings["record_compression"] = "lz4";
@@ -83,9 +86,23 @@ Configuration launched(const std::map<std::string, std::string>& settings) {
   return configuration;
 }
 
-Configuration replayed(const std::string& bag, const std::string& output) {
+Configuration replayed(const std::vector<std::string>& bags, const std::string& output) {
   return parse_configuration(
-      configuration_document(configuration_to_repeat({bag_files(bag)}), {{"output", output}, {"launch_id", output}}));
+      configuration_document(configuration_to_repeat({bags}), {{"output", output}, {"launch_id", output}}));
+}
+
+Configuration behind_recorded_leader(std::mt19937_64& random, const std::vector<std::string>& bags,
+                                     const std::string& output) {
+  std::map<std::string, std::string> settings{{"output", output}, {"launch_id", output}, {"hosting", "one_process"}};
+  if (any(random, 0, 1) == 0) {
+    settings["followers"] = std::to_string(any(random, 1, 4));
+    settings["external"] = "none";
+  }
+  if (any(random, 0, 1) == 0) settings["realizations"] = std::to_string(any(random, 1, 24));
+  if (any(random, 0, 1) == 0) settings["seed"] = std::to_string(any(random, 1, 3));
+  Configuration configuration = parse_configuration(configuration_document(configuration_to_repeat({bags}), settings));
+  configuration.model.recorded_leader = recorded_leader({bags}, configuration.run.steps);
+  return parse_configuration(to_json(configuration).dump());
 }
 
 std::string description(const Configuration& configuration) {
@@ -118,13 +135,13 @@ const std::string& reference(const Configuration& configuration) {
   return known[key] = statistics_csv(plain, predict(plain), run.result);
 }
 
-std::string recorded_files(const RunOptions& run) {
-  if (run.record_split_mb == 0) return run.record;
-  std::string all;
+std::vector<std::string> recorded_files(const RunOptions& run) {
+  if (run.record_split_mb == 0) return {run.record};
+  std::vector<std::string> all;
   for (int part = 0;; ++part) {
     const std::string name = run.record.substr(0, run.record.size() - 4) + formatted("_%d.bag", part);
     if (!std::filesystem::exists(name)) return all;
-    all += (all.empty() ? "" : " ") + name;
+    all.push_back(name);
   }
 }
 
@@ -135,8 +152,7 @@ std::string problem_of(const Configuration& configuration, bool recorded) {
     return run.output + "/statistics.csv is not that of monte_carlo";
   if (!recorded) return "";
   try {
-    const BagStatistics found =
-        statistics_of_bags({bag_files(recorded_files(run))}, [](std::uint64_t, std::uint64_t) {});
+    const BagStatistics found = statistics_of_bags({recorded_files(run)}, [](std::uint64_t, std::uint64_t) {});
     if (!found.findings.empty()) return run.record + ": " + found.findings.front();
     if (!found.result.complete) return run.record + ": is not complete";
     if (statistics_csv(configuration, predict(configuration), found.result) != wanted)

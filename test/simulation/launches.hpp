@@ -3,6 +3,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 
@@ -18,7 +19,11 @@ std::map<std::string, std::string> random_settings(std::mt19937_64& random, bool
 Configuration launched(const std::map<std::string, std::string>& settings);
 
 /// The configuration that replay.launch passes to its nodes.
-Configuration replayed(const std::string& bag, const std::string& output);
+Configuration replayed(const std::vector<std::string>& bags, const std::string& output);
+
+/// That of replay.launch drive:=leader, with random followers behind the recorded leader.
+Configuration behind_recorded_leader(std::mt19937_64& random, const std::vector<std::string>& bags,
+                                     const std::string& output);
 
 /// Describes a launch, for a line of a history.
 std::string description(const Configuration& configuration);
@@ -29,8 +34,8 @@ Configuration of_any_launch(Configuration configuration);
 /// statistics.csv as monte_carlo computes it.
 const std::string& reference(const Configuration& configuration);
 
-/// The files of a complete recording, as bag_files() takes them.
-std::string recorded_files(const RunOptions& run);
+/// The files of a complete recording.
+std::vector<std::string> recorded_files(const RunOptions& run);
 
 /// What is wrong with the results of a complete run and, if `recorded`, with its recording; empty if nothing is.
 std::string problem_of(const Configuration& configuration, bool recorded);

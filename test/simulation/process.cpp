@@ -24,13 +24,14 @@ std::vector<std::string> files_of(const std::string& record) {
 
 }  // namespace
 
-Process::Process(World& world, Machine& machine, Program program, std::uint32_t index, bool kept, std::string bag)
+Process::Process(World& world, Machine& machine, Program program, std::uint32_t index, bool kept,
+                 std::vector<std::string> bags)
     : world_(world),
       machine_(machine),
       program_(program),
       index_(index),
       kept_(kept),
-      bag_(std::move(bag)),
+      bags_(std::move(bags)),
       name_(name_of(program, index)) {}
 
 Process::~Process() {
@@ -69,12 +70,12 @@ void Process::construct() {
     for (const std::string& file : files_of(run.record)) files_.push_back(file);
     platoon_ = std::make_unique<OneProcess>(platoon, *configuration, kThreads, superseded());
   } else if (program_ == Program::player) {
-    player_ =
-        std::make_unique<Player>(platoon, ros::NodeHandle(name_), *configuration, PlayerOptions{{bag_files(bag_)}});
+    const double rate = world_.happens(0.3) ? world_.uniform(500.0, 5000.0) : 0.0;
+    player_ = std::make_unique<Player>(platoon, ros::NodeHandle(name_), *configuration, PlayerOptions{{bags_}, rate});
   } else if (program_ == Program::vehicle_replay) {
     constexpr double kPatience = 1000.0;  // [s]
     vehicle_replay_ =
-        std::make_unique<VehicleReplay>(platoon, *configuration, BagSource{bag_files(bag_)}, index_, false, kPatience);
+        std::make_unique<VehicleReplay>(platoon, *configuration, BagSource{bags_}, index_, false, kPatience);
   } else {
     if (!run.record.empty()) {
       files_ = files_of(run.record);

@@ -26,10 +26,10 @@ class Process {
 public:
   enum class Program { leader, channel, follower, monitor, platoon, player, vehicle_replay };
 
-  /// `index`: that of a follower, also of the one that vehicle_replay drives. `kept`: one of followers.launch. `bag`:
-  /// what a replay reads.
+  /// `index`: that of a follower, also of the one that vehicle_replay drives. `kept`: one of followers.launch. `bags`:
+  /// the files that a replay reads.
   Process(World& world, Machine& machine, Program program, std::uint32_t index = 0, bool kept = false,
-          std::string bag = "");
+          std::vector<std::string> bags = {});
   ~Process();
 
   const std::string& name() const { return name_; }
@@ -59,7 +59,7 @@ private:
   Program program_;
   std::uint32_t index_;
   bool kept_;
-  std::string bag_;
+  std::vector<std::string> bags_;
   std::string name_;
   std::unique_ptr<Node> node_;
   std::vector<std::string> files_;  ///< beginnings of their names

@@ -33,7 +33,7 @@ void Roslaunch::launch(const std::vector<Part>& parts) {
   ++number_;
   is_up_ = true;
   for (const Part& part : parts)
-    launched_.push_back(std::make_unique<Process>(world_, machine_, part.program, part.index, false, part.bag));
+    launched_.push_back(std::make_unique<Process>(world_, machine_, part.program, part.index, false, part.bags));
   for (const auto& process : launched_) {
     world_.after(world_.uniform(0.05, 0.6), nullptr, [this, launch = number_, each = process.get()] {
       if (is_up_ && launch == number_ && !each->runs()) each->start();

@@ -13,7 +13,7 @@ namespace platoon::simulation {
 struct Part {
   Process::Program program;
   std::uint32_t index = 0;
-  std::string bag = "";
+  std::vector<std::string> bags = {};
 };
 
 /// The launches of one platoon, one after another, and followers that may outlive them. A node that ends is started

@@ -70,8 +70,7 @@ private:
       if (settings_.count("record") > 0) settings_["record"] = name + "_" + std::to_string(attempt) + ".bag";
     }
     const bool whole = configuration_->run.first_realization == 0 && !configuration_->run.record.empty();
-    const std::string problem = problem_of(*configuration_, whole);
-    if (!problem.empty()) throw Failure(problem);
+    require_none(problem_of(*configuration_, whole));
     if (whole) replay(recorded_files(configuration_->run));
   }
 
@@ -95,23 +94,26 @@ private:
     if (complete && !std::filesystem::exists(runs_.back().run.output + "/statistics.csv"))
       throw Failure(runs_.back().run.output + " has no results");
     for (const Configuration& run : runs_) {
-      const std::string problem = changes_ && !run.run.record.empty() ? problem_of_endless(run, lost_power_) : "";
-      if (!problem.empty()) throw Failure(problem);
+      if (changes_ && !run.run.record.empty()) require_none(problem_of_endless(run, lost_power_));
     }
   }
 
-  /// Into a monitor, or of the inputs of one live follower.
-  void replay(std::string bag) {
-    configuration_ = replayed(bag, "out/" + std::to_string(launches_) + "_replayed");
+  /// Into a monitor, to live followers behind the recorded leader, or of the inputs of one live follower.
+  void replay(const std::vector<std::string>& bags) {
+    const std::string output = "out/" + std::to_string(launches_) + "_replayed";
+    const auto kind = random_() % 4;
+    if (kind == 3) return replay_to_follower(bags, output);
+    configuration_ = kind == 0 ? behind_recorded_leader(random_, bags, output) : replayed(bags, output);
+    const std::vector<Part> player{{Process::Program::player, 0, bags}, {Process::Program::monitor}};
+    const bool complete = carry_out(kind == 0 ? roslaunch_.nodes_of(configuration_->run) : player,
+                                    [this] { return observer_->complete(); });
+    if (complete) require_none(problem_of(*configuration_, false));
+  }
+
+  void replay_to_follower(const std::vector<std::string>& bags, const std::string& output) {
+    configuration_ = replayed(bags, output);
     const auto index = static_cast<std::uint32_t>(1 + random_() % configuration_->run.followers);
-    if (random_() % 2 == 0) {
-      const bool complete = carry_out({{Process::Program::player, 0, bag}, {Process::Program::monitor}},
-                                      [this] { return observer_->complete(); });
-      const std::string problem = complete ? problem_of(*configuration_, false) : "";
-      if (!problem.empty()) throw Failure(problem);
-      return;
-    }
-    std::vector<Part> parts{{Process::Program::vehicle_replay, index, bag}};
+    std::vector<Part> parts{{Process::Program::vehicle_replay, index, bags}};
     if (!roslaunch_.keeps_followers()) parts.push_back({Process::Program::follower, index});
     carry_out(parts, [this] {
       const VehicleReplay* const replay = roslaunch_.launched().front()->replay();
