@@ -89,6 +89,9 @@ void LossScatter::add_chain(const LossKernel& kernel, const SpectralNodes& nodes
 
 // Terms whose t differ by n are equal on these nodes.
 void LossScatter::add_decay(Eigen::Index n) {
+  turn_.resize(n / 2);
+  for (Eigen::Index t = 0; t < turn_.size(); ++t)
+    turn_(t) = std::polar(1.0, -boost::math::double_constants::pi * static_cast<double>(t) / static_cast<double>(n));
   decay_.resize(n, recalling_.cols());
   for (Eigen::Index m = 0; m < decay_.cols(); ++m) {
     const DoubleComplex value = memories_[static_cast<std::size_t>(m)], all = std::pow(value, static_cast<double>(n));
@@ -122,19 +125,53 @@ void LossScatter::add_memory(const SpectralNodes& nodes) {
   }
 }
 
-// < b_m(nu) driven(nu) y_m / (1 - y_m) >_nu: on equally spaced nodes a circular convolution with the powers of
-// lambda_m. mirror_image: driven(-nu) / driven(nu), 1 or -1.
-Eigen::ArrayXd LossScatter::recalled(const Eigen::ArrayXd& driven, double mirror_image) const {
-  const Eigen::Index half = driven.size(), n = 2 * half;
-  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(half);
-  Eigen::VectorXcd values(n), lags(n);
-  for (Eigen::Index column = 0; column < decay_.cols(); ++column) {
-    values.head(half) = (remembered_.col(column).array() * driven).matrix();
-    values.tail(half) = mirror_image * (mirrored_.col(column).array() * driven).matrix().reverse();
-    fft_.inv(lags, values);
-    lags.array() *= decay_.col(column).array();
-    fft_.fwd(values, lags);
-    sum += 2.0 * (recalling_.col(column).array() * values.head(half).array()).real();
+// On equally spaced nodes a circular convolution with the powers of lambda_m.
+Eigen::ArrayXcd LossScatter::delayed(Eigen::Index memory, const Eigen::ArrayXcd& ahead,
+                                     const Eigen::ArrayXcd& behind) const {
+  const Eigen::Index half = ahead.size();
+  Eigen::VectorXcd values(2 * half), lags(2 * half);
+  values << ahead.matrix(), behind.matrix().reverse();
+  fft_.inv(lags, values);
+  lags.array() *= decay_.col(memory).array();
+  fft_.fwd(values, lags);
+  return values.head(half);
+}
+
+// The sequence r of the lags is real. With n = 2 half and Y_m the value at node 2m, which for 2m >= half is the
+// conjugate of the one at node n - 1 - 2m, r(t) - i r(t + half) = e^{j pi t / n} (inverse transform of Y)(t).
+Eigen::ArrayXcd LossScatter::delayed_hermitian(Eigen::Index memory, const Eigen::ArrayXcd& ahead) const {
+  const Eigen::Index half = ahead.size(), even = (half + 1) / 2;
+  Eigen::VectorXcd values(half), lags(half);
+  for (Eigen::Index m = 0; m < half; ++m) values(m) = m < even ? ahead(2 * m) : std::conj(ahead(2 * (half - m) - 1));
+  fft_.inv(lags, values);
+  for (Eigen::Index t = 0; t < half; ++t) {
+    const DoubleComplex lag = product(std::conj(turn_(t)), lags(t));
+    lags(t) = product(turn_(t), {lag.real() * decay_(t, memory).real(), lag.imag() * decay_(t + half, memory).real()});
+  }
+  fft_.fwd(values, lags);
+  Eigen::ArrayXcd result(half);
+  for (Eigen::Index m = 0; m < half; ++m) {
+    if (m < even)
+      result(2 * m) = values(m);
+    else
+      result(2 * (half - m) - 1) = std::conj(values(m));
+  }
+  return result;
+}
+
+// sum_m 2 Re a_m < b_m(nu) driven(nu) y_m / (1 - y_m) >_nu, with driven(-nu) = driven(nu), or minus it if it is odd.
+Eigen::ArrayXd LossScatter::recalled(const Eigen::ArrayXd& driven, bool is_odd) const {
+  const DoubleComplex i(0.0, 1.0);
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(driven.size());
+  for (Eigen::Index m = 0; m < decay_.cols(); ++m) {
+    const Eigen::ArrayXcd ahead = remembered_.col(m).array() * driven;
+    Eigen::ArrayXcd memory;
+    if (memories_[static_cast<std::size_t>(m)].imag() == 0.0) {
+      memory = is_odd ? Eigen::ArrayXcd(i * delayed_hermitian(m, -i * ahead)) : delayed_hermitian(m, ahead);
+    } else {
+      memory = delayed(m, ahead, (is_odd ? -1.0 : 1.0) * mirrored_.col(m).array() * driven);
+    }
+    sum += 2.0 * (recalling_.col(m).array() * memory).real();
   }
   return sum;
 }
@@ -152,7 +189,7 @@ Eigen::MatrixXd LossScatter::operator()(const Eigen::Ref<const Eigen::MatrixXd>&
   if (kernel_.size() > 0) {
     result.noalias() += kernel_.transpose() * weighted;
   } else if (decay_.size() > 0) {
-    for (Eigen::Index j = 0; j < drives.cols(); ++j) result.col(j) += recalled(drives.col(j)).matrix();
+    for (Eigen::Index j = 0; j < drives.cols(); ++j) result.col(j) += recalled(drives.col(j), false).matrix();
   }
   return result;
 }
@@ -164,7 +201,7 @@ Eigen::ArrayXcd LossScatter::of_cross_spectrum(const Eigen::ArrayXcd& sent) cons
   if (returned_.size() > 0 || (sent.imag() == 0.0).all()) return result;
   const Eigen::ArrayXd odd = innovation_ * sent.imag();
   const Eigen::VectorXd inward = odd_scattered_ * (weight_ * odd).matrix();
-  result.imag() = (odd_outward_ * inward).array() + recalled(odd, -1.0);
+  result.imag() = (odd_outward_ * inward).array() + recalled(odd, true);
   return result;
 }
 

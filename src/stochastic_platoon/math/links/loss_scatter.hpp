@@ -57,7 +57,11 @@ private:
   void add_chain(const LossKernel& kernel, const SpectralNodes& nodes);
   void add_memory(const SpectralNodes& nodes);
   void add_decay(Eigen::Index n);
-  Eigen::ArrayXd recalled(const Eigen::ArrayXd& driven, double mirror_image = 1.0) const;
+  Eigen::ArrayXd recalled(const Eigen::ArrayXd& driven, bool is_odd) const;
+  /// < value y_m / (1 - y_m) >_nu at each node, of values ahead(nu) and behind(nu) at nu and -nu; hermitian: of a real
+  /// lambda_m, with behind the conjugate of ahead.
+  Eigen::ArrayXcd delayed(Eigen::Index memory, const Eigen::ArrayXcd& ahead, const Eigen::ArrayXcd& behind) const;
+  Eigen::ArrayXcd delayed_hermitian(Eigen::Index memory, const Eigen::ArrayXcd& ahead) const;
 
   std::vector<LossFilter::Value> effects_;
   double slope_;
@@ -71,6 +75,7 @@ private:
   Eigen::RowVectorXd itself_;                           ///< e' sum_c V_c = itself V
   /// Mean over +-nu of 2 Re sum_m a_m(w) b_m(nu) y_m / (1 - y_m), one column per w; empty on equally spaced nodes.
   Eigen::MatrixXd kernel_;
+  Eigen::ArrayXcd turn_;    ///< e^{-j pi t / n}, t from 0 to n / 2 - 1
   Eigen::MatrixXcd decay_;  ///< lambda_m^t / (1 - lambda_m^n), t from 1 to n, the last first; on equally spaced nodes
   mutable Eigen::FFT<double> fft_;  ///< keeps its plan
 };

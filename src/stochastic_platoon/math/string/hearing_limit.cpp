@@ -36,18 +36,32 @@ SpectralMatrix adjoint(const SpectralMatrix& a) {
   return c;
 }
 
+/// Adds to the first frequencies of the sum.
 void add_to(SpectralMatrix& sum, const SpectralMatrix& a) {
   for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < a.size(); ++j) sum[i][j] += a[i][j];
+    for (std::size_t j = 0; j < a.size(); ++j) sum[i][j].head(a[i][j].size()) += a[i][j];
   }
 }
 
-double size_of(const SpectralMatrix& a) {
-  double largest = 0.0;
-  for (const auto& row : a) {
-    for (const Eigen::ArrayXcd& entry : row) largest = std::max(largest, entry.abs().maxCoeff());
+SpectralMatrix head(const SpectralMatrix& a, Eigen::Index frequencies) {
+  SpectralMatrix c = a;
+  for (auto& row : c) {
+    for (Eigen::ArrayXcd& entry : row) entry.conservativeResize(frequencies);
   }
-  return largest;
+  return c;
+}
+
+/// The number of frequencies up to the last one at which an entry is larger than this.
+Eigen::Index above(double size, const SpectralMatrix& a) {
+  Eigen::Index last = 0;
+  for (const auto& row : a) {
+    for (const Eigen::ArrayXcd& entry : row) {
+      Eigen::Index k = entry.size();
+      while (k > last && !(std::norm(entry(k - 1)) > size * size)) --k;
+      last = k;
+    }
+  }
+  return last;
 }
 
 /// An endless string in which place p of the pattern adds a given spectrum.
@@ -72,11 +86,15 @@ public:
       for (std::size_t q = 0; q < period_; ++q) spectra.advance(first_ + q, q == p ? zero + 1.0 : zero, once);
       of_one_.push_back(std::move(once));
     }
+    constexpr double kNegligible = 1e-20;
     SpectralMatrix power = std::move(product_of_all);
-    for (int doubling = 0; doubling < 60 && size_of(power) > 1e-20; ++doubling) {
+    for (int doubling = 0; doubling < 60; ++doubling) {
       check_interruption();
+      const Eigen::Index left = above(kNegligible, power);  // the lowest frequencies decay last
+      if (left == 0) break;
+      power = head(power, left);
       const SpectralMatrix turned = adjoint(power);
-      for (Window& window : of_one_) add_to(window, product(product(power, window), turned));
+      for (Window& window : of_one_) add_to(window, product(product(power, head(window, left)), turned));
       power = product(power, power);
     }
   }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -94,6 +95,18 @@ TEST(LossScatter, ScatterTheSameOnAnyNodes) {
   }
 }
 
+// A chain with memories that are complex numbers.
+LossModel losses_in_turn() {
+  Eigen::Matrix3d transition;
+  transition << 0.1, 0.8, 0.1, 0.1, 0.1, 0.8, 0.8, 0.1, 0.1;
+  LossModel loss;
+  loss.markov = std::make_shared<MarkovLosses>(transition, Eigen::Vector3d(0.02, 0.1, 0.7));
+  loss.probability = loss.markov->loss_probability();
+  loss.mean_burst = loss.markov->mean_burst();
+  loss.predictor = {1.0};
+  return loss;
+}
+
 // Reference: the sum over all frequencies of the kernel of a chain, which independent losses are, too.
 TEST(LossScatter, ScattersCrossSpectraAsTheKernelDoes) {
   constexpr std::size_t kNodes = 256;
@@ -101,7 +114,8 @@ TEST(LossScatter, ScattersCrossSpectraAsTheKernelDoes) {
   const std::pair<LossModel, double> cases[] = {// and c_1 + 2 c_2
                                                 {{0.3, {}, {1.5, -0.5}}, 0.5},
                                                 {{0.3, 2.2, {1.0}}, 1.0},
-                                                {{0.2, 1.05, {}}, 0.0}};
+                                                {{0.2, 1.05, {}}, 0.0},
+                                                {losses_in_turn(), 1.0}};
   for (const auto& [loss, slope] : cases) {
     const SpectralNodes nodes(kNodes);
     const LossScatter losses(LossFilter(loss), nodes);
