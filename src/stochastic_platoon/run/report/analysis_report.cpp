@@ -22,12 +22,14 @@ std::string shown(const std::vector<HeadwayInterval>& intervals, double unit = 1
   return text.empty() ? " none" : text;
 }
 
-/// " of default, truck": the given types, if the string has several; else empty.
+/// " of default, truck": the given types, or the first of many, if the string has several; else empty.
 std::string of_types(const PlatoonModel& model, const std::vector<std::string>& types) {
+  constexpr std::size_t kMost = 8;
   if (is_homogeneous(model)) return "";
+  const std::size_t shown = types.size() > kMost ? kMost / 2 : types.size();
   std::string text;
-  for (const std::string& type : types) text += (text.empty() ? " of " : ", ") + type;
-  return text;
+  for (std::size_t t = 0; t < shown; ++t) text += (text.empty() ? " of " : ", ") + types[t];
+  return shown < types.size() ? text + formatted(" and %zu others", types.size() - shown) : text;
 }
 
 /// The gain that verdicts judge, and what it leads from and to.

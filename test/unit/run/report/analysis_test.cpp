@@ -90,6 +90,24 @@ TEST(Analysis, NamesTheSpacing) {
   EXPECT_EQ(spacing_text(vehicle, 0.1), "constant spacing of 9.2 m");
 }
 
+TEST(Analysis, NamesTheFirstOfManyTypes) {
+  const auto headline = [](int count) {
+    PlatoonModel model = model_at(3.2);
+    for (int t = 1; t < count; ++t) {
+      model.types.push_back(model.types.front());
+      model.types.back().name = "car_" + std::to_string(t);
+      model.string.push_back(static_cast<std::size_t>(t));
+    }
+    model.string.push_back(0);
+    const std::string text = Analyzed(model, 2, 5).text();
+    const std::size_t at = text.find("Critical headway of ");
+    return at == std::string::npos ? "" : text.substr(at + 20, text.find(':', at) - at - 20);
+  };
+  EXPECT_EQ(headline(3), "default, car_1, car_2");
+  EXPECT_EQ(headline(8), "default, car_1, car_2, car_3, car_4, car_5, car_6, car_7");
+  EXPECT_EQ(headline(9), "default, car_1, car_2, car_3 and 5 others");
+}
+
 TEST(Analysis, HasTheMarginsOfTheLoop) {
   const nlohmann::json document = Analyzed(model_at(3.2), 2, 5).json();
   const LoopMargins margins = *loop_margins(model_at(3.2));
