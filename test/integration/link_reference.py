@@ -5,6 +5,7 @@ A model is the dictionary of the model file.
 """
 
 import itertools
+import math
 
 import numpy as np
 
@@ -87,8 +88,8 @@ def joint_chain(losses, number=float):
     per joint mode which links lose."""
     chains = [chain_of(loss) if loss else (np.ones((1, 1)), np.ones(1), [False]) for loss in losses]
     modes = list(itertools.product(*(range(len(pi)) for _, pi, _ in chains)))
-    stationary = np.array([np.prod([number(pi[c]) for (_, pi, _), c in zip(chains, mode)]) for mode in modes])
-    step = np.array([[np.prod([number(p[a, c]) for (p, _, _), a, c in zip(chains, before, after)]) for after in modes] for before in modes])
+    stationary = np.array([math.prod(number(pi[c]) for (_, pi, _), c in zip(chains, mode)) for mode in modes])
+    step = np.array([[math.prod(number(p[a, c]) for (p, _, _), a, c in zip(chains, before, after)) for after in modes] for before in modes])
     return modes, stationary, step, [[bool(lost[c]) for (_, _, lost), c in zip(chains, mode)] for mode in modes]
 
 

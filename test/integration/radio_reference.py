@@ -154,6 +154,19 @@ def stationary(car, cuts):
     return np.array(rows), excess, loss_gain, limit
 
 
+def congruence(a):
+    """The map from a symmetric m to a m a', by the few entries of a that are not 0: NumPy's product of extended matrices is slow."""
+    rows, columns = np.nonzero(a)
+    values, (filled, starts) = a[rows, columns][:, None], np.unique(rows, return_index=True)
+
+    def times(m):
+        product = np.zeros_like(m)
+        product[filled] = np.add.reduceat(values * m[columns], starts, axis=0)
+        return product
+
+    return lambda m: times(times(m).T)
+
+
 class Dense:
     """Means and second moments of a string behind its leader. State: for each vehicle the last y and u, e and h y; for each radio
     the delayed inputs; for each link the values used before. In every mode of the chains of losses."""
@@ -220,8 +233,11 @@ class Dense:
         car = self.car
         _, stationary, step, links = joint_chain(car.losses * self.followers, LONG)
         lost = [tuple(zip(of[::2], of[1::2])) for of in links]  # per follower and link
-        known = {of: self.matrices(of) for of in set(lost) | {((False, False),) * self.followers}}
         noise = np.diag(np.array([car.radar, car.radio] * self.followers, LONG))
+        known = {}
+        for of in set(lost) | {((False, False),) * self.followers}:
+            a, b, r = self.matrices(of)
+            known[of] = a, congruence(a), b @ noise @ b.T, r
         first, second = np.zeros((len(lost), self.count), LONG), np.zeros((len(lost), self.count, self.count), LONG)
         means, variances = np.zeros((self.followers, steps)), np.zeros((self.followers, steps))
         for k in range(-1, steps - 1):
@@ -230,11 +246,10 @@ class Dense:
                 first = step.T @ first
                 second = (step.T @ second.reshape(len(lost), -1)).reshape(second.shape)
             for c, of in enumerate(lost):
-                a, b, r = known[of if k >= 0 else ((False, False),) * self.followers]
+                a, congruent, noises, r = known[of if k >= 0 else ((False, False),) * self.followers]
                 drive, moved = r * position, a @ first[c]
                 cross = np.outer(moved, drive)
-                second[c] = a @ second[c] @ a.T + cross + cross.T + stationary[c] * (
-                    np.outer(drive, drive) + (b @ noise @ b.T if k >= 0 else 0))
+                second[c] = congruent(second[c]) + cross + cross.T + stationary[c] * (np.outer(drive, drive) + (noises if k >= 0 else 0))
                 first[c] = moved + stationary[c] * drive
             mean, whole = first.sum(axis=0), second.sum(axis=0)
             for i in range(1, self.followers + 1):
