@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "stochastic_platoon/math/links/loss_operator.hpp"
 #include "stochastic_platoon/math/links/settled_spectra.hpp"
@@ -37,33 +38,6 @@ std::vector<Eigen::ArrayXd> constant_parts(const StringSpectra::Type& type, doub
   return parts;
 }
 
-std::vector<double> variances_by(const StringSpectra& spectra, double speed, std::size_t followers) {
-  std::vector<double> variances;
-  pass_along(spectra, speed, followers, [&](std::size_t i, const auto& spectrum, const auto& added) {
-    double variance = spectra.error_variance(i, spectrum, added.front());
-    if (added.size() > 1) variance += spectra.mean(spectra[i].spacing_gain * added.back());
-    variances.push_back(std::isnan(variance) ? kInfinity : variance);
-    return !std::isinf(variances.back());
-  });
-  variances.resize(followers, kInfinity);
-  return variances;
-}
-
-std::vector<double> shares_by(const StringSpectra& spectra, double speed, std::size_t followers) {
-  std::vector<double> shares(2 * followers, 0.0);
-  std::array<Eigen::ArrayXd, 2> part;
-  for (Eigen::ArrayXd& of : part) of = Eigen::ArrayXd::Zero(spectra.nodes());
-  pass_along(spectra, speed, followers, [&](std::size_t i, const auto&, const auto& added) {
-    for (std::size_t link = 0; link < part.size(); ++link) {
-      const Eigen::ArrayXd own = link < added.size() ? added[link] : Eigen::ArrayXd::Zero(spectra.nodes());
-      shares[2 * i + link] = spectra.error_variance(i, part[link], own);
-      part[link] = spectra[i].gain * part[link] + own;
-    }
-    return true;
-  });
-  return shares;
-}
-
 std::vector<double> limits_by(const StringSpectra& spectra, double speed) {
   std::vector<Eigen::ArrayXd> added;
   for (std::size_t j = 0; j < spectra.size(); ++j) {
@@ -83,38 +57,45 @@ std::vector<double> limits_by(const StringSpectra& spectra, double speed) {
 
 }  // namespace
 
-void pass_along(const StringSpectra& spectra, double speed, std::size_t followers, const SpectraVisitor& visit) {
-  std::vector<std::vector<Eigen::ArrayXd>> constant;  // per type
-  Eigen::ArrayXd spectrum = Eigen::ArrayXd::Zero(spectra.nodes());
-  for (std::size_t i = 0; i < followers; ++i) {
-    check_interruption();
-    const StringSpectra::Type& type = spectra[i];
-    const std::size_t index = spectra.type(i);
-    if (index >= constant.size()) constant.resize(index + 1);
-    if (constant[index].empty()) constant[index] = constant_parts(type, speed);
-    std::vector<Eigen::ArrayXd> added = constant[index];
-    for (std::size_t link = 0; link < added.size() && i > 0; ++link) {
-      const StringSpectra::Input& input = type.inputs[link];
-      if (input.losses) added[link] += input.own * scattered(*input.losses, spectra.at_link(i, link, spectrum));
-    }
-    if (!visit(i, spectrum, added)) return;
-    spectrum *= type.gain;
-    for (const Eigen::ArrayXd& of_link : added) spectrum += of_link;
+LinkedWalk::LinkedWalk(const StringSpectra& spectra, double speed)
+    : spectra_(&spectra), speed_(speed), spectrum_(Eigen::ArrayXd::Zero(spectra.nodes())) {}
+
+LinkedWalk LinkedWalk::behind_endless(const StringSpectra& spectra) {
+  LinkedWalk walk(spectra, 0.0);
+  std::vector<Eigen::ArrayXd> added;
+  for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(spectra[j].added_by_noise());
+  walk.spectrum_ = spectra.in_front(added, spectra.pattern_margin());
+  return walk;
+}
+
+std::vector<Eigen::ArrayXd> LinkedWalk::added() {
+  const StringSpectra& spectra = *spectra_;
+  const StringSpectra::Type& type = spectra[next_];
+  const std::size_t index = spectra.type(next_);
+  if (index >= constant_.size()) constant_.resize(index + 1);
+  if (constant_[index].empty()) constant_[index] = constant_parts(type, speed_);
+  std::vector<Eigen::ArrayXd> added = constant_[index];
+  for (std::size_t link = 0; link < added.size() && next_ > 0; ++link) {
+    const StringSpectra::Input& input = type.inputs[link];
+    if (input.losses) added[link] += input.own * scattered(*input.losses, spectra.at_link(next_, link, spectrum_));
   }
+  return added;
 }
 
-std::vector<double> stationary_variances(const LinkedPattern& pattern, double speed, std::size_t followers) {
-  return settled_values(pattern, followers,
-                        [&](const StringSpectra& spectra) { return variances_by(spectra, speed, followers); });
+void LinkedWalk::pass(Eigen::ArrayXd added) {
+  check_interruption();
+  before_.swap(spectrum_);
+  spectrum_ = (*spectra_)[next_].gain * before_ + added;
+  added_ = std::move(added);
+  last_ = next_++;
 }
 
-std::vector<std::array<double, 2>> variances_by_input(const LinkedPattern& pattern, double speed,
-                                                      std::size_t followers) {
-  const std::vector<double> shares = settled_values(
-      pattern, followers, [&](const StringSpectra& spectra) { return shares_by(spectra, speed, followers); });
-  std::vector<std::array<double, 2>> result;
-  for (std::size_t i = 0; i < followers; ++i) result.push_back({shares[2 * i], shares[2 * i + 1]});
-  return result;
+std::array<double, 2> LinkedWalk::moments(const Signal& signal) const {
+  Eigen::ArrayXd spectrum = spectrum_;
+  if (signal.relative) spectrum = (*spectra_)[last_].of_gap * before_ + added_;
+  for (int n = 0; n < signal.order; ++n) spectrum *= 2.0 * spectra_->from_one();
+  if (!signal.relative) spectrum *= signal.factor * signal.factor;
+  return {spectra_->mean(spectrum), 2.0 * spectra_->mean(spectra_->from_one() * spectrum)};
 }
 
 std::vector<double> limit_variances(const LinkedPattern& pattern, double speed) {

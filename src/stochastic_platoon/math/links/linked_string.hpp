@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "stochastic_platoon/math/links/string_spectra.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 
 namespace platoon {
 
@@ -24,18 +24,33 @@ namespace platoon {
 /// The functions require a mean square stable pattern; those of an endless string, a positive gain_margin(), too.
 /// 1e-12 relative; with bursts of mean length b 1e-14 b, and near the border of stability less in a limit.
 
-/// Visits the followers one after the other with (i, spectrum of the position in front, spectrum that each link adds),
-/// until a visit returns false.
-using SpectraVisitor =
-    std::function<bool(std::size_t follower, const Eigen::ArrayXd& spectrum, const std::vector<Eigen::ArrayXd>& added)>;
-void pass_along(const StringSpectra& spectra, double speed, std::size_t followers, const SpectraVisitor& visit);
+/// A walk along the string, from the leader on (see StationaryTheory).
+class LinkedWalk {
+public:
+  /// `spectra` must outlive the object.
+  LinkedWalk(const StringSpectra& spectra, double speed);
 
-/// P_1, ..., P_N [m^2]; infinity where it leaves the range of double.
-std::vector<double> stationary_variances(const LinkedPattern& pattern, double speed, std::size_t followers);
+  /// From the first place of a pattern on in an endless string whose links do not lose.
+  static LinkedWalk behind_endless(const StringSpectra& spectra);
 
-/// The shares of the position and of the predecessor's input in them [m^2], from noise and losses of all vehicles.
-std::vector<std::array<double, 2>> variances_by_input(const LinkedPattern& pattern, double speed,
-                                                      std::size_t followers);
+  /// What each input of the next follower adds to the spectrum of its position.
+  std::vector<Eigen::ArrayXd> added();
+
+  /// Passes the next follower, which adds this.
+  void pass(Eigen::ArrayXd added);
+
+  /// Of the follower that was passed last: the variance of its tracking error, and those of a signal and its change.
+  double error_variance() const { return spectra_->error_variance(last_, before_, added_); }
+  std::array<double, 2> moments(const Signal& signal) const;
+
+private:
+  const StringSpectra* spectra_;
+  double speed_;
+  std::size_t next_ = 0, last_ = 0;
+  Eigen::ArrayXd spectrum_;                            ///< in front of the next follower
+  Eigen::ArrayXd before_, added_;                      ///< in front of the last one, and what it added
+  std::vector<std::vector<Eigen::ArrayXd>> constant_;  ///< per type: what its inputs add at the leader
+};
 
 /// The limit of the variance [m^2] at each place of the pattern of an endless string.
 std::vector<double> limit_variances(const LinkedPattern& pattern, double speed);

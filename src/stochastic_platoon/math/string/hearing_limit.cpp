@@ -110,29 +110,24 @@ public:
     return window;
   }
 
-  /// The values of all places, and the spectra that each adds behind this window.
-  std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added, std::vector<Eigen::ArrayXd>& next,
-                           const PlaceValues& values) const {
-    std::vector<double> all;
-    for (std::size_t p = 0; p < period_; ++p) {
-      next[p] = spectra_.added(first_ + p, window);
-      const std::vector<double> own = values(first_ + p, spectra_.advance(first_ + p, added[p], window));
-      all.insert(all.end(), own.begin(), own.end());
-    }
-    return all;
-  }
+  HearingWalk walk_behind(Window window) const { return HearingWalk(spectra_, first_, std::move(window)); }
 
-  /// The variances of the tracking errors at the places.
+  /// The variances of the tracking errors at the places, and the spectra that each adds behind this window.
   std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added,
                            std::vector<Eigen::ArrayXd>& next) const {
-    return pass(std::move(window), added, next, [this](std::size_t follower, const HearingSpectra::Pair& pair) {
-      return std::vector<double>{spectra_.error_variance(follower, pair)};
-    });
+    HearingWalk walk = walk_behind(std::move(window));
+    std::vector<double> variances;
+    for (std::size_t p = 0; p < period_; ++p) {
+      next[p] = sum_of(walk.added());
+      walk.pass(added[p]);
+      variances.push_back(walk.error_variance());
+    }
+    return variances;
   }
 
   std::vector<Eigen::ArrayXd> of_noise() const {
     std::vector<Eigen::ArrayXd> added;
-    for (std::size_t p = 0; p < period_; ++p) added.push_back(spectra_.added(first_ + p, spectra_.nothing()));
+    for (std::size_t p = 0; p < period_; ++p) added.push_back(sum_of(spectra_.added(first_ + p, spectra_.nothing())));
     return added;
   }
 
@@ -193,11 +188,9 @@ LossGain hearing_loss_gain(const HearingSpectra& spectra, std::size_t period) {
           round.variances(Eigen::VectorXd::Ones(round.size())).front()};
 }
 
-std::vector<double> hearing_limits(const HearingSpectra& spectra, std::size_t period, const PlaceValues& values) {
+HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t period) {
   const EndlessString string(spectra, period);
-  const std::vector<Eigen::ArrayXd> noise = string.of_noise();
-  std::vector<Eigen::ArrayXd> next = noise;
-  return string.pass(string.in_front(noise), noise, next, values);
+  return string.walk_behind(string.in_front(string.of_noise()));
 }
 
 HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {

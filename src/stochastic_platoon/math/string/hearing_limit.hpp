@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "stochastic_platoon/math/string/hearing_spectra.hpp"
@@ -19,9 +18,8 @@ struct HearingLimit {
 /// M X M* + Q. Losses add to Q a nonnegative map of it, the loss gain is its spectral radius.
 HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses);
 
-/// What a follower at each place of its pattern has, one place after the other, if no link loses.
-using PlaceValues = std::function<std::vector<double>(std::size_t follower, const HearingSpectra::Pair& pair)>;
-std::vector<double> hearing_limits(const HearingSpectra& spectra, std::size_t period, const PlaceValues& values);
+/// A walk from the first place of a pattern on in an endless string whose links do not lose.
+HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t period);
 
 /// Its loss gain alone, on its exact side of 1, and the variance of the tracking error behind the first place if each
 /// place adds a spectrum of 1.

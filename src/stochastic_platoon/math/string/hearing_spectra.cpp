@@ -18,6 +18,11 @@ double steady_drive(const Input& input, const LossScatter& losses, double speed,
   return input.signal == InputSignal::speed && input.link.loss->predictor.empty() ? speed / period : 0.0;
 }
 
+// 1 - 1/z
+std::complex<double> moved_at(const CirclePoint& point) {
+  return std::complex<double>(point.from_one() * std::conj(1.0L + point.from_one()));
+}
+
 }  // namespace
 
 HearingSpectra::HearingSpectra(const PlatoonModel& model, std::size_t n)
@@ -67,9 +72,8 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
     check_interruption();
     const auto node = static_cast<std::size_t>(k);
     const CirclePoint& point = nodes_.points[node];
-    const std::complex<double> moved(point.from_one() * std::conj(1.0L + point.from_one()));  // 1 - 1/z
     const HearingLoop::Value value = loop.at(point);
-    of.policy(k) = 1.0 + own.headway * moved;
+    of.policy(k) = 1.0 + own.headway * moved_at(point);
     for (std::size_t j = 0; j < own.inputs.size(); ++j) {
       const HearingLoop::Complex of_source = sources[j] ? sources[j]->at(point).sent : 0.0L;
       of.inputs[j].own(k) = std::complex<double>(value.of(own.inputs[j]));
@@ -84,6 +88,25 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
     for (const std::size_t j : packet.inputs) of.inputs[j].transfer *= packet.passed;
   }
   return of;
+}
+
+Eigen::ArrayXcd HearingSpectra::moved() const {
+  Eigen::ArrayXcd values(nodes_.count());
+  for (Eigen::Index k = 0; k < values.size(); ++k) values(k) = moved_at(nodes_.points[static_cast<std::size_t>(k)]);
+  return values;
+}
+
+Eigen::ArrayXcd HearingSpectra::filter(const Signal& signal, std::size_t follower) const {
+  Eigen::ArrayXcd values(nodes_.count());
+  if (signal.is_input) {
+    const HearingLoop loop(platoon::vehicle(model_, follower), follower, model_.sample_period);
+    for (Eigen::Index k = 0; k < values.size(); ++k)
+      values(k) = std::complex<double>(loop.at(nodes_.points[static_cast<std::size_t>(k)]).sent);
+    return values;
+  }
+  values.setConstant(signal.order > 0 ? signal.factor : 0.0);
+  for (int n = 0; n < signal.order; ++n) values *= moved();
+  return signal.relative ? Eigen::ArrayXcd(values - 1.0) : values;
 }
 
 // Links with the same losses share their scatter.
@@ -103,14 +126,7 @@ std::vector<Eigen::ArrayXcd> HearingSpectra::transfers(std::size_t follower) con
   return sums;
 }
 
-Eigen::ArrayXd HearingSpectra::added(std::size_t follower, const Window& ahead) const {
-  const std::vector<Eigen::ArrayXd> by_input = added_by_input(follower, ahead);
-  Eigen::ArrayXd sum = by_input.front();
-  for (std::size_t j = 1; j < by_input.size(); ++j) sum += by_input[j];
-  return sum;
-}
-
-std::vector<Eigen::ArrayXd> HearingSpectra::added_by_input(std::size_t follower, const Window& ahead) const {
+std::vector<Eigen::ArrayXd> HearingSpectra::added(std::size_t follower, const Window& ahead) const {
   const Vehicle& own = vehicle(follower);
   std::vector<Eigen::ArrayXd> by_input;
   for (const Vehicle::Heard& input : own.inputs) by_input.emplace_back(input.own.abs2() * input.noise);
@@ -164,6 +180,13 @@ HearingSpectra::Pair HearingSpectra::advance(std::size_t follower, const Eigen::
     window[b][0] = cross[b - 1].conjugate();
   }
   return pair;
+}
+
+std::array<double, 2> HearingWalk::moments(const Signal& signal) const {
+  const Eigen::ArrayXcd filter = spectra_->filter(signal, next_ - 1);
+  const Eigen::ArrayXd turned = spectra_->moved().abs2();
+  const HearingSpectra::Pair changes{turned * last_.own, turned * last_.predecessor, turned * last_.cross};
+  return {last_.variance(filter, signal.relative), changes.variance(filter, signal.relative)};
 }
 
 }  // namespace platoon

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "stochastic_platoon/math/links/loss_scatter.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 
 namespace platoon {
 
@@ -53,8 +55,7 @@ public:
 
   /// E_i behind these spectra: what each input adds by its noise and its losses, those of a packet at the first of its
   /// inputs.
-  std::vector<Eigen::ArrayXd> added_by_input(std::size_t follower, const Window& ahead) const;
-  Eigen::ArrayXd added(std::size_t follower, const Window& ahead) const;
+  std::vector<Eigen::ArrayXd> added(std::size_t follower, const Window& ahead) const;
 
   /// The spectra of a follower and its predecessor, and Phi_{i,i-1}.
   struct Pair {
@@ -68,13 +69,11 @@ public:
   /// Puts follower i in front of the window.
   Pair advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const;
 
-  /// The variance of the tracking error of follower i.
-  double error_variance(std::size_t follower, const Pair& pair) const {
-    return pair.variance(-vehicle(follower).policy, true);
-  }
+  /// What a signal takes of the follower's own position (see Signal); the control input takes 1 / G.
+  Eigen::ArrayXcd filter(const Signal& signal, std::size_t follower) const;
 
-  /// One for each node.
-  const std::vector<CirclePoint>& points() const { return nodes_.points; }
+  /// 1 - 1 / z at each node.
+  Eigen::ArrayXcd moved() const;
 
 private:
   std::shared_ptr<const LossScatter> scatter(const LossModel& loss) const;
@@ -87,5 +86,38 @@ private:
       vehicles_;  ///< by place in the pattern and near the leader
   mutable std::vector<std::pair<LossModel, std::shared_ptr<const LossScatter>>> scatters_;
 };
+
+/// A walk along the string, from the leader on (see StationaryTheory).
+class HearingWalk {
+public:
+  /// `spectra` must outlive the object.
+  explicit HearingWalk(const HearingSpectra& spectra) : HearingWalk(spectra, 1, spectra.nothing()) {}
+
+  /// From this follower on, behind these vehicles.
+  HearingWalk(const HearingSpectra& spectra, std::size_t next, HearingSpectra::Window ahead)
+      : spectra_(&spectra), next_(next), ahead_(std::move(ahead)) {}
+
+  /// What each input of the next follower adds to the spectrum of its position.
+  std::vector<Eigen::ArrayXd> added() const { return spectra_->added(next_, ahead_); }
+
+  /// Passes the next follower, which adds this.
+  void pass(const Eigen::ArrayXd& added) { last_ = spectra_->advance(next_++, added, ahead_); }
+
+  /// Of the follower that was passed last: the variance of its tracking error, and those of a signal and its change.
+  double error_variance() const { return last_.variance(-spectra_->vehicle(next_ - 1).policy, true); }
+  std::array<double, 2> moments(const Signal& signal) const;
+
+private:
+  const HearingSpectra* spectra_;
+  std::size_t next_;
+  HearingSpectra::Window ahead_;
+  HearingSpectra::Pair last_;
+};
+
+/// The sum of at least one spectrum.
+inline Eigen::ArrayXd sum_of(std::vector<Eigen::ArrayXd> spectra) {
+  for (std::size_t j = 1; j < spectra.size(); ++j) spectra.front() += spectra[j];
+  return std::move(spectra.front());
+}
 
 }  // namespace platoon

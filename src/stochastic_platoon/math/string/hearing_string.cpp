@@ -26,8 +26,6 @@ namespace platoon {
 
 namespace {
 
-using Window = HearingSpectra::Window;
-
 void require_theory(const PlatoonModel& model) {
   if (const std::optional<std::string> reason = no_theory(model))
     throw std::invalid_argument("no theory, as " + *reason);
@@ -144,20 +142,6 @@ std::vector<double> settled_hearing(const PlatoonModel& model,
     if (n >= settling.most) throw NarrowSpectra();
     coarse.swap(fine);
   }
-}
-
-std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t followers) {
-  require_theory(model);
-  if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
-  return settled_hearing(model, [followers](const HearingSpectra& spectra) {
-    Window window = spectra.nothing();
-    std::vector<double> variances;
-    for (std::size_t i = 1; i <= followers; ++i) {
-      const double variance = spectra.error_variance(i, spectra.advance(i, spectra.added(i, window), window));
-      variances.push_back(std::isfinite(variance) ? variance : kInfinity);
-    }
-    return variances;
-  });
 }
 
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {

@@ -11,9 +11,6 @@ namespace platoon {
 /// HearingSpectra at frequencies that are doubled until the values settle to 1e-9; then they are accurate to 1e-11
 /// relative. All functions throw std::invalid_argument for a model without theory: see no_theory().
 
-/// P_1, ..., P_N [m^2] of the tracking errors; NaN if the platoon is not mean square stable.
-std::vector<double> hearing_variances(const PlatoonModel& model, std::size_t followers);
-
 /// Means of the tracking errors at the leader's last speed [m].
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers);
 

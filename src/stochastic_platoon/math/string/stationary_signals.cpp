@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
-#include "stochastic_platoon/math/links/linked_string.hpp"
-#include "stochastic_platoon/math/links/settled_spectra.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/hearing_signals.hpp"
+#include "stochastic_platoon/math/string/stationary_theory.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
@@ -17,58 +16,36 @@ namespace {
 
 using Signals = std::vector<Signal>;  // of one follower
 
-std::vector<Signals> requested_signals(const PlatoonModel& model, const std::vector<std::string>& names,
-                                       std::size_t followers) {
+// Means behind so many followers are those of an endless string, if they change by less from pattern to pattern [m]:
+// they fall into place like the powers of a matrix, or grow with the number of vehicles, as where vehicles of unlike
+// standstill distances keep a multiple of their own from the leader.
+constexpr std::size_t kFarFollowers = 1000;
+constexpr double kInPlace = 1e-8;
+
+std::vector<Signals> signals_from(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t first,
+                                  std::size_t count) {
   std::vector<Signals> signals;
-  for (std::size_t i = 1; i <= followers; ++i) signals.push_back(signals_of(model, names, i).requested);
+  for (std::size_t i = first; i < first + count; ++i) signals.push_back(signals_of(model, names, i).requested);
   return signals;
 }
 
-/// The spectrum of a signal of a follower behind a predecessor with this spectrum that adds `added`.
-Eigen::ArrayXd spectrum_of(const Signal& signal, const StringSpectra& spectra, std::size_t follower,
-                           const Eigen::ArrayXd& before, const Eigen::ArrayXd& added) {
-  if (signal.relative) return spectra[follower].of_gap * before + added;
-  Eigen::ArrayXd spectrum = spectra[follower].gain * before + added;
-  for (int n = 0; n < signal.order; ++n) spectrum *= 2.0 * spectra.from_one();
-  return signal.factor * signal.factor * spectrum;
-}
-
-void append_moments(const Signals& signals, const StringSpectra& spectra, std::size_t follower,
-                    const Eigen::ArrayXd& before, const Eigen::ArrayXd& added, std::vector<double>& values) {
-  for (const Signal& signal : signals) {
-    const Eigen::ArrayXd spectrum = spectrum_of(signal, spectra, follower, before, added);
-    for (const double value : {spectra.mean(spectrum), 2.0 * spectra.mean(spectra.from_one() * spectrum)})
-      values.push_back(std::isnan(value) ? kInfinity : value);
-  }
-}
-
-/// Variance and change of every signal of one follower after the other.
-std::vector<double> moments_by(const StringSpectra& spectra, const std::vector<Signals>& signals) {
+/// Variance and change of every signal of one follower of the walk after the other.
+template <class Walk>
+std::vector<double> moments_along(Walk walk, const std::vector<Signals>& signals) {
   std::vector<double> values;
-  pass_along(spectra, 0.0, signals.size(), [&](std::size_t i, const Eigen::ArrayXd& spectrum, const auto&) {
-    append_moments(signals[i], spectra, i, spectrum, spectra[i].added_by_noise(), values);
-    return true;
-  });
-  return values;
-}
-
-/// The same at each place of the pattern of an endless string.
-std::vector<double> limit_moments_by(const StringSpectra& spectra, const std::vector<Signals>& signals) {
-  std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(spectra[j].added_by_noise());
-  std::vector<double> values;
-  Eigen::ArrayXd spectrum = spectra.in_front(added, spectra.pattern_margin());
-  for (std::size_t j = 0; j < spectra.size(); ++j) {
-    append_moments(signals[j], spectra, j, spectrum, added[j], values);
-    spectrum = spectra[j].gain * spectrum + added[j];
+  for (const Signals& of_follower : signals) {
+    walk.pass(sum_of(walk.added()));
+    for (const Signal& signal : of_follower) {
+      for (const double value : walk.moments(signal)) values.push_back(std::isnan(value) ? kInfinity : value);
+    }
   }
   return values;
 }
 
-}  // namespace
-
-StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals,
-                                     std::size_t index, std::size_t first, const std::vector<double>& errors,
+/// Those of signal `index` of the followers first, first + 1, ..., whose signals, mean tracking errors at the leader's
+/// last speed, and moments_along() are given.
+StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<Signals>& signals, std::size_t index,
+                                     std::size_t first, const std::vector<double>& errors,
                                      const std::vector<double>& values) {
   const double speed = metres_per_step(model);
   StationaryMoments moments;
@@ -85,6 +62,39 @@ StationaryMoments stationary_moments(const PlatoonModel& model, const std::vecto
   return moments;
 }
 
+/// Whether a signal of an endless string of linked vehicles has a variance. Where it has none, the pole at w = 0 would
+/// keep the quadrature from settling.
+bool has_limit(const LinkedPattern& pattern, const Signal& signal) {
+  return pattern.gain().zeros() - pattern.zeros_at_zero().noise <= std::max(signal.order, 1);
+}
+
+/// Sets the limits that exist.
+void add_limits(const StationaryTheory& theory, const std::vector<std::string>& names,
+                std::vector<StationarySignal>& result) {
+  const PlatoonModel& model = theory.model();
+  const std::size_t period = type_order(model).size(), far = (kFarFollowers / period + 1) * period;
+  const std::vector<Signals> at_places = signals_from(model, names, far + 1, period);
+  std::vector<std::size_t> bounded;
+  for (std::size_t s = 0; s < names.size(); ++s) {
+    if (theory.pattern() == nullptr || has_limit(*theory.pattern(), at_places[0][s])) bounded.push_back(s);
+  }
+  if (bounded.empty()) return;
+  std::vector<Signals> kept(period);
+  for (std::size_t p = 0; p < period; ++p) {
+    for (const std::size_t s : bounded) kept[p].push_back(at_places[p][s]);
+  }
+  const std::vector<double> limits =
+      theory.settled_behind_endless([&kept](auto walk) { return moments_along(std::move(walk), kept); });
+  const std::vector<double> means = stationary_means(model, far + 2 * period);
+  std::vector<double> settled;
+  for (std::size_t i = far; i < far + period; ++i)
+    settled.push_back(std::abs(means[i + period] - means[i]) < kInPlace ? means[i] : kNaN);
+  for (std::size_t index = 0; index < bounded.size(); ++index)
+    result[bounded[index]].limit = stationary_moments(model, kept, index, far + 1, settled, limits);
+}
+
+}  // namespace
+
 std::optional<double> StationarySignal::limit_variance() const {
   if (!limit) return std::nullopt;
   return *std::max_element(limit->variance.begin(), limit->variance.end());
@@ -95,49 +105,35 @@ std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, cons
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (!has_normal_errors(model))
     throw std::invalid_argument("model: has losses or quantisation: must have normal errors for stationary_signals()");
-  if (!hears_predecessors_only(model)) return hearing_signals(model, names, followers, string_stable);
-  if (const auto input = std::find(names.begin(), names.end(), kInput); input != names.end()) {
+  const auto input = std::find(names.begin(), names.end(), kInput);
+  if (input != names.end() && names.size() > 1 && hears_predecessors_only(model)) {
     std::vector<std::string> others = names;
     others.erase(others.begin() + (input - names.begin()));
     std::vector<StationarySignal> result = stationary_signals(model, others, followers, string_stable);
     result.insert(result.begin() + (input - names.begin()),
-                  hearing_signals(model, {kInput}, followers, string_stable).front());
+                  stationary_signals(model, {kInput}, followers, string_stable).front());
     return result;
   }
-  const LinkedPattern pattern(model);
-  const std::vector<Signals> signals = requested_signals(model, names, followers);
-  std::vector<StationarySignal> result(names.size());
-  if (!pattern.mean_square_stable()) {
-    const std::vector<double> none(followers, kNaN);
-    for (StationarySignal& signal : result) signal.followers = {none, none, none};
-    return result;
+  return stationary_signals(StationaryTheory(model, input != names.end()), names, followers, string_stable);
+}
+
+std::vector<StationarySignal> stationary_signals(const StationaryTheory& theory, const std::vector<std::string>& names,
+                                                 std::size_t followers, bool string_stable) {
+  const PlatoonModel& model = theory.model();
+  const std::vector<double> none(followers, kNaN);
+  std::vector<StationarySignal> result(names.size(), StationarySignal{{none, none, none}, std::nullopt});
+  if (!theory.mean_square_stable()) return result;
+  try {
+    const std::vector<Signals> signals = signals_from(model, names, 1, followers);
+    const std::vector<double> values =
+        theory.settled(followers, [&signals](auto walk) { return moments_along(std::move(walk), signals); });
+    const std::vector<double> errors = stationary_means(model, followers);
+    for (std::size_t s = 0; s < names.size(); ++s)
+      result[s].followers = stationary_moments(model, signals, s, 1, errors, values);
+    if (string_stable) add_limits(theory, names, result);
+  } catch (const NarrowSpectra&) {
+    // The moments that were not computed stay NaN, and the limit is absent.
   }
-  const std::vector<double> values =
-      settled_values(pattern, followers, [&](const StringSpectra& spectra) { return moments_by(spectra, signals); });
-  const std::vector<double> errors = stationary_means(model, followers);
-  for (std::size_t s = 0; s < names.size(); ++s)
-    result[s].followers = stationary_moments(model, signals, s, 1, errors, values);
-  if (!string_stable) return result;
-  // Limits that do not exist are left out: their poles at w = 0 would keep the quadrature from settling.
-  const int zeros = pattern.gain().zeros() - pattern.zeros_at_zero().noise;
-  const std::size_t m = pattern.size();
-  std::vector<Signals> endless = requested_signals(model, names, 2 * m);
-  endless.erase(endless.begin(), endless.begin() + static_cast<std::ptrdiff_t>(m));  // behind no leader
-  std::vector<std::size_t> bounded;
-  for (std::size_t s = 0; s < names.size(); ++s) {
-    if (zeros <= std::max(endless[0][s].order, 1)) bounded.push_back(s);
-  }
-  if (bounded.empty()) return result;
-  std::vector<Signals> kept(m);
-  for (std::size_t j = 0; j < m; ++j) {
-    for (const std::size_t s : bounded) kept[j].push_back(endless[j][s]);
-  }
-  const std::vector<double> limits = settled_values(
-      pattern, std::nullopt, [&](const StringSpectra& spectra) { return limit_moments_by(spectra, kept); });
-  std::vector<double> far = stationary_means(model, 2 * m);
-  far.erase(far.begin(), far.begin() + static_cast<std::ptrdiff_t>(m));
-  for (std::size_t index = 0; index < bounded.size(); ++index)
-    result[bounded[index]].limit = stationary_moments(model, kept, index, m + 1, far, limits);
   return result;
 }
 

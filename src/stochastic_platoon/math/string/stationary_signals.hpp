@@ -34,7 +34,8 @@ struct StationarySignal {
 /// \f[ \langle |1 - \hat T|^2 \Phi_{i-1} + N_i \rangle, \qquad \langle (2 t / T_s^2)^n \Phi_i \rangle, \f]
 /// with the T^ of follower i, and `change` with a further factor 2 t. At v metres per step the gap has the mean
 /// delta_i + h_i v + (mean of the tracking error) - (length of vehicle i-1).
-/// The control input, which these spectra do not carry, has the moments of hearing_signals().
+/// In a string whose vehicles hear any vehicles ahead, and for the control input y_i / G, a signal is a filter on the
+/// positions of two vehicles, whose spectra and cross spectrum are those of HearingSpectra; 1e-9 relative.
 ///
 /// The limits exist if the string is string stable and if 1 - |prod T^|^2 over one pattern, divided by the spectra of
 /// the noises, has at most as many zeros t as the numerator has: 1 for gap and speed, 2 for the acceleration, 3 for the
@@ -44,11 +45,5 @@ struct StationarySignal {
 /// has_normal_errors(model), and for an unknown name.
 std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, const std::vector<std::string>& names,
                                                  std::size_t followers, bool string_stable);
-
-/// Those of signal `index` of the followers first, first + 1, ..., whose signals, mean tracking errors at the leader's
-/// last speed, and variances and changes of all signals (one follower after the other) are given.
-StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals,
-                                     std::size_t index, std::size_t first, const std::vector<double>& errors,
-                                     const std::vector<double>& values);
 
 }  // namespace platoon

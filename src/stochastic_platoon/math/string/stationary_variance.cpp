@@ -1,11 +1,12 @@
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
-#include <array>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
 
-#include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/hearing_signals.hpp"
-#include "stochastic_platoon/math/string/hearing_string.hpp"
+#include "stochastic_platoon/math/string/stationary_theory.hpp"
 
 namespace platoon {
 
@@ -26,21 +27,50 @@ double metres_per_step(const PlatoonModel& model) {
 }
 
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers) {
+  return stationary_variances(StationaryTheory(model), followers);
+}
+
+std::vector<double> stationary_variances(const StationaryTheory& theory, std::size_t followers) {
   require_followers(followers);
-  if (!hears_predecessors_only(model)) return hearing_variances(model, followers);
-  const LinkedPattern pattern(model);
-  if (!pattern.mean_square_stable()) return std::vector<double>(followers, kNaN);
-  return stationary_variances(pattern, metres_per_step(model), followers);
+  if (!theory.mean_square_stable()) return std::vector<double>(followers, kNaN);
+  return theory.settled(followers, [followers](auto walk) {
+    std::vector<double> variances;
+    while (variances.size() < followers && (variances.empty() || !std::isinf(variances.back()))) {
+      walk.pass(sum_of(walk.added()));
+      const double variance = walk.error_variance();
+      variances.push_back(std::isnan(variance) ? kInfinity : variance);
+    }
+    variances.resize(followers, kInfinity);
+    return variances;
+  });
 }
 
 std::vector<std::vector<double>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers) {
+  return stationary_variances_by_input(StationaryTheory(model), followers);
+}
+
+std::vector<std::vector<double>> stationary_variances_by_input(const StationaryTheory& theory, std::size_t followers) {
   require_followers(followers);
-  if (!hears_predecessors_only(model)) return hearing_variances_by_input(model, followers);
-  const LinkedPattern pattern(model);
-  if (!pattern.mean_square_stable()) return {followers, {kNaN, kNaN}};
-  std::vector<std::vector<double>> shares;
-  for (const std::array<double, 2>& of : variances_by_input(pattern, metres_per_step(model), followers))
-    shares.emplace_back(of.begin(), of.end());
+  std::size_t inputs = theory.pattern() != nullptr ? 2 : 0;  // the position and the predecessor's input
+  for (const VehicleModel& of : pattern(theory.model())) inputs = std::max(inputs, of.inputs.size());
+  std::vector<std::vector<double>> shares(followers, std::vector<double>(inputs, kNaN));
+  if (!theory.mean_square_stable()) return shares;
+  const std::vector<double> values = theory.settled(followers, [followers, inputs](auto walk) {
+    std::vector<decltype(walk)> of_input(inputs, walk);
+    std::vector<double> variances;
+    for (std::size_t i = 0; i < followers; ++i) {
+      std::vector<Eigen::ArrayXd> added = walk.added();
+      walk.pass(sum_of(added));
+      added.resize(inputs, Eigen::ArrayXd::Zero(added.front().size()));
+      for (std::size_t n = 0; n < inputs; ++n) {
+        of_input[n].pass(std::move(added[n]));
+        variances.push_back(of_input[n].error_variance());
+      }
+    }
+    return variances;
+  });
+  for (std::size_t i = 0; i < followers; ++i)
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * inputs), inputs, shares[i].begin());
   return shares;
 }
 

@@ -13,8 +13,8 @@ namespace platoon {
 
 /// Variances P_1, ..., P_N [m^2]; in the paper's platoon, by corollary cor:stationary_all and eq. (pzeta),
 /// \f[ P_1 = \|H T\|_2^2 P_d, \qquad P_i = P_{i-1} + \|S T^{i-1}\|_2^2 P_d, \f]
-/// and in general by the spectra of linked_string.hpp and burst_string.hpp. 1e-12 relative. In a string unstable
-/// platoon they grow without bound, to infinity if they leave the range of double.
+/// and in general by the spectra of StationaryTheory. 1e-12 relative, 1e-11 where vehicles hear others than their
+/// predecessor. In a string unstable platoon they grow without bound, to infinity if they leave the range of double.
 std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers);
 
 /// The shares of the inputs in these variances [m^2], from noise and losses of all vehicles, per follower in the order

@@ -14,9 +14,9 @@
 #include "stochastic_platoon/math/string/critical_leader_share.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
 #include "stochastic_platoon/math/string/hearing_gain.hpp"
-#include "stochastic_platoon/math/string/hearing_signals.hpp"
 #include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_theory.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/run/report/hearing_models.hpp"
@@ -36,7 +36,7 @@ PlatoonModel radio_car(const std::string& loss = "") {
 TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
   const PlatoonModel model = radio_car(), lossy = radio_car(", loss: {probability: 0.2, mean_burst: 3}");
   const std::vector<StationarySignal> expected = stationary_signals(model, kSignals, 5, true),
-                                      found = hearing_signals(model, kSignals, 5, true);
+                                      found = stationary_signals(StationaryTheory(model, true), kSignals, 5, true);
   for (std::size_t s = 0; s < kSignals.size(); ++s) {
     for (std::size_t i = 0; i < 5; ++i) {
       EXPECT_NEAR(found[s].followers.variance[i] / expected[s].followers.variance[i], 1.0, 1e-9) << kSignals[s] << i;
@@ -49,7 +49,8 @@ TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
     EXPECT_NEAR(found[s].limit->change[0] / expected[s].limit->change[0], 1.0, 1e-9) << kSignals[s];
     EXPECT_NEAR(found[s].limit->mean[0], expected[s].limit->mean[0], 1e-9) << kSignals[s];
   }
-  const auto shares = stationary_variances_by_input(lossy, 5), of_hearing = hearing_variances_by_input(lossy, 5);
+  const auto shares = stationary_variances_by_input(lossy, 5),
+             of_hearing = stationary_variances_by_input(StationaryTheory(lossy, true), 5);
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t n = 0; n < 2; ++n) EXPECT_NEAR(of_hearing[i][n] / shares[i][n], 1.0, 1e-9) << i << n;
   }
