@@ -62,21 +62,17 @@ StationaryMoments stationary_moments(const PlatoonModel& model, const std::vecto
   return moments;
 }
 
-/// Whether a signal of an endless string of linked vehicles has a variance. Where it has none, the pole at w = 0 would
-/// keep the quadrature from settling.
-bool has_limit(const LinkedPattern& pattern, const Signal& signal) {
-  return pattern.gain().zeros() - pattern.zeros_at_zero().noise <= std::max(signal.order, 1);
-}
-
-/// Sets the limits that exist.
+/// Sets the limits that exist. Where one does not, its pole at w = 0 would keep the quadrature from settling.
 void add_limits(const StationaryTheory& theory, const std::vector<std::string>& names,
                 std::vector<StationarySignal>& result) {
   const PlatoonModel& model = theory.model();
   const std::size_t period = type_order(model).size(), far = (kFarFollowers / period + 1) * period;
   const std::vector<Signals> at_places = signals_from(model, names, far + 1, period);
+  const LinkedPattern* const linked = theory.pattern();
+  const int zeros = linked != nullptr ? linked->gain().zeros() - linked->zeros_at_zero().noise : 0;
   std::vector<std::size_t> bounded;
   for (std::size_t s = 0; s < names.size(); ++s) {
-    if (theory.pattern() == nullptr || has_limit(*theory.pattern(), at_places[0][s])) bounded.push_back(s);
+    if (zeros <= std::max(at_places[0][s].order, 1)) bounded.push_back(s);
   }
   if (bounded.empty()) return;
   std::vector<Signals> kept(period);
