@@ -40,17 +40,14 @@ std::vector<Eigen::ArrayXd> constant_parts(const StringSpectra::Type& type, doub
 
 std::vector<double> limits_by(const StringSpectra& spectra, double speed) {
   std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < spectra.size(); ++j) {
-    added.emplace_back(Eigen::ArrayXd::Zero(spectra.nodes()));
-    for (const Eigen::ArrayXd& of_link : constant_parts(spectra[j], speed)) added.back() += of_link;
-  }
+  for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(sum_of(constant_parts(spectra[j], speed)));
   const LossOperator losses(spectra);
   if (losses.dimensions() > 0) losses.add(solve_one_minus(losses, losses.drives(added)), added);
   std::vector<double> limits;
-  Eigen::ArrayXd spectrum = spectra.in_front(added, losses.margin());
-  for (std::size_t j = 0; j < spectra.size(); ++j) {
-    limits.push_back(spectra.error_variance(j, spectrum, added[j]));
-    spectrum = spectra[j].gain * spectrum + added[j];
+  LinkedWalk walk(spectra, speed, spectra.in_front(added, losses.margin()));
+  for (Eigen::ArrayXd& of_place : added) {
+    walk.pass(std::move(of_place));
+    limits.push_back(walk.error_variance());
   }
   return limits;
 }
@@ -58,14 +55,15 @@ std::vector<double> limits_by(const StringSpectra& spectra, double speed) {
 }  // namespace
 
 LinkedWalk::LinkedWalk(const StringSpectra& spectra, double speed)
-    : spectra_(&spectra), speed_(speed), spectrum_(Eigen::ArrayXd::Zero(spectra.nodes())) {}
+    : LinkedWalk(spectra, speed, Eigen::ArrayXd::Zero(spectra.nodes())) {}
+
+LinkedWalk::LinkedWalk(const StringSpectra& spectra, double speed, Eigen::ArrayXd ahead)
+    : spectra_(&spectra), speed_(speed), spectrum_(std::move(ahead)) {}
 
 LinkedWalk LinkedWalk::behind_endless(const StringSpectra& spectra) {
-  LinkedWalk walk(spectra, 0.0);
   std::vector<Eigen::ArrayXd> added;
   for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(spectra[j].added_by_noise());
-  walk.spectrum_ = spectra.in_front(added, spectra.pattern_margin());
-  return walk;
+  return LinkedWalk(spectra, 0.0, spectra.in_front(added, spectra.pattern_margin()));
 }
 
 std::vector<Eigen::ArrayXd> LinkedWalk::added() {
@@ -87,12 +85,12 @@ void LinkedWalk::pass(Eigen::ArrayXd added) {
   before_.swap(spectrum_);
   spectrum_ = (*spectra_)[next_].gain * before_ + added;
   added_ = std::move(added);
-  last_ = next_++;
+  ++next_;
 }
 
 std::array<double, 2> LinkedWalk::moments(const Signal& signal) const {
   Eigen::ArrayXd spectrum = spectrum_;
-  if (signal.relative) spectrum = (*spectra_)[last_].of_gap * before_ + added_;
+  if (signal.relative) spectrum = (*spectra_)[next_ - 1].of_gap * before_ + added_;
   for (int n = 0; n < signal.order; ++n) spectrum *= 2.0 * spectra_->from_one();
   if (!signal.relative) spectrum *= signal.factor * signal.factor;
   return {spectra_->mean(spectrum), 2.0 * spectra_->mean(spectra_->from_one() * spectrum)};

@@ -30,6 +30,9 @@ public:
   /// `spectra` must outlive the object.
   LinkedWalk(const StringSpectra& spectra, double speed);
 
+  /// From the first place of a pattern on, behind a position with this spectrum.
+  LinkedWalk(const StringSpectra& spectra, double speed, Eigen::ArrayXd ahead);
+
   /// From the first place of a pattern on in an endless string whose links do not lose.
   static LinkedWalk behind_endless(const StringSpectra& spectra);
 
@@ -39,14 +42,16 @@ public:
   /// Passes the next follower, which adds this.
   void pass(Eigen::ArrayXd added);
 
-  /// Of the follower that was passed last: the variance of its tracking error, and those of a signal and its change.
-  double error_variance() const { return spectra_->error_variance(last_, before_, added_); }
+  /// The variance of the tracking error of the follower that was passed last.
+  double error_variance() const { return spectra_->error_variance(next_ - 1, before_, added_); }
+
+  /// The variances of a signal of this follower, and of the change of the signal from step to step.
   std::array<double, 2> moments(const Signal& signal) const;
 
 private:
   const StringSpectra* spectra_;
   double speed_;
-  std::size_t next_ = 0, last_ = 0;
+  std::size_t next_ = 0;
   Eigen::ArrayXd spectrum_;                            ///< in front of the next follower
   Eigen::ArrayXd before_, added_;                      ///< in front of the last one, and what it added
   std::vector<std::vector<Eigen::ArrayXd>> constant_;  ///< per type: what its inputs add at the leader

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <cstddef>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/math/links/loss_filter.hpp"
@@ -26,6 +28,12 @@ struct SpectralNodes {
   std::vector<CirclePoint> points;
   Eigen::ArrayXd weight;
 };
+
+/// The sum of at least one spectrum.
+inline Eigen::ArrayXd sum_of(std::vector<Eigen::ArrayXd> spectra) {
+  for (std::size_t j = 1; j < spectra.size(); ++j) spectra.front() += spectra[j];
+  return std::move(spectra.front());
+}
 
 /// The losses of one link at the nodes: what the link passes, and the spectrum that it scatters from one that is sent.
 class LossScatter {

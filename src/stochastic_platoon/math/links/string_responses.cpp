@@ -116,7 +116,7 @@ StringResponses::Response StringResponses::response(std::size_t follower, const 
       sent = source->impulse;
     } else {
       const std::size_t from = source_of(input, follower), distance = follower - from;
-      if (from == 0 ? leader == nullptr : distance > ahead.size()) continue;  // that vehicle stands still
+      if (from == 0 ? leader == nullptr : distance > ahead.size()) continue;  // the source stands still
       sent = carried(input, from == 0 ? *leader : ahead[ahead.size() - distance], model_.sample_period);
     }
     const MeanLink& link = responding.links[n];

@@ -44,9 +44,9 @@ void add_to(SpectralMatrix& sum, const SpectralMatrix& a) {
 }
 
 SpectralMatrix head(const SpectralMatrix& a, Eigen::Index frequencies) {
-  SpectralMatrix c = a;
-  for (auto& row : c) {
-    for (Eigen::ArrayXcd& entry : row) entry.conservativeResize(frequencies);
+  SpectralMatrix c(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (const Eigen::ArrayXcd& entry : a[i]) c[i].emplace_back(entry.head(frequencies));
   }
   return c;
 }

@@ -18,15 +18,15 @@ double steady_drive(const Input& input, const LossScatter& losses, double speed,
   return input.signal == InputSignal::speed && input.link.loss->predictor.empty() ? speed / period : 0.0;
 }
 
-// 1 - 1/z
-std::complex<double> moved_at(const CirclePoint& point) {
-  return std::complex<double>(point.from_one() * std::conj(1.0L + point.from_one()));
-}
-
 }  // namespace
 
 HearingSpectra::HearingSpectra(const PlatoonModel& model, std::size_t n)
-    : model_(model), nodes_(n), reach_(farthest_ahead(model)), speed_(metres_per_step(model)) {}
+    : model_(model), nodes_(n), moved_(nodes_.count()), reach_(farthest_ahead(model)), speed_(metres_per_step(model)) {
+  for (Eigen::Index k = 0; k < moved_.size(); ++k) {
+    const auto from_one = nodes_.points[static_cast<std::size_t>(k)].from_one();
+    moved_(k) = std::complex<double>(from_one * std::conj(1.0L + from_one));
+  }
+}
 
 HearingSpectra::Window HearingSpectra::nothing() const {
   return {reach_, std::vector<Eigen::ArrayXcd>(reach_, Eigen::ArrayXcd::Zero(nodes_.count()))};
@@ -67,13 +67,12 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
     packet->inputs.push_back(j);
     of.inputs.back().steady = steady_drive(input, *packet->losses, speed_, period);
   }
-  of.policy.resize(count);
+  of.policy = 1.0 + own.headway * moved_;
   for (Eigen::Index k = 0; k < count; ++k) {
     check_interruption();
     const auto node = static_cast<std::size_t>(k);
     const CirclePoint& point = nodes_.points[node];
     const HearingLoop::Value value = loop.at(point);
-    of.policy(k) = 1.0 + own.headway * moved_at(point);
     for (std::size_t j = 0; j < own.inputs.size(); ++j) {
       const HearingLoop::Complex of_source = sources[j] ? sources[j]->at(point).sent : 0.0L;
       of.inputs[j].own(k) = std::complex<double>(value.of(own.inputs[j]));
@@ -90,12 +89,6 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
   return of;
 }
 
-Eigen::ArrayXcd HearingSpectra::moved() const {
-  Eigen::ArrayXcd values(nodes_.count());
-  for (Eigen::Index k = 0; k < values.size(); ++k) values(k) = moved_at(nodes_.points[static_cast<std::size_t>(k)]);
-  return values;
-}
-
 Eigen::ArrayXcd HearingSpectra::filter(const Signal& signal, std::size_t follower) const {
   Eigen::ArrayXcd values(nodes_.count());
   if (signal.is_input) {
@@ -105,7 +98,7 @@ Eigen::ArrayXcd HearingSpectra::filter(const Signal& signal, std::size_t followe
     return values;
   }
   values.setConstant(signal.order > 0 ? signal.factor : 0.0);
-  for (int n = 0; n < signal.order; ++n) values *= moved();
+  for (int n = 0; n < signal.order; ++n) values *= moved_;
   return signal.relative ? Eigen::ArrayXcd(values - 1.0) : values;
 }
 

@@ -73,13 +73,14 @@ public:
   Eigen::ArrayXcd filter(const Signal& signal, std::size_t follower) const;
 
   /// 1 - 1 / z at each node.
-  Eigen::ArrayXcd moved() const;
+  const Eigen::ArrayXcd& moved() const { return moved_; }
 
 private:
   std::shared_ptr<const LossScatter> scatter(const LossModel& loss) const;
 
   PlatoonModel model_;
   SpectralNodes nodes_;
+  Eigen::ArrayXcd moved_;
   std::size_t reach_;
   double speed_;  ///< [m] per step
   mutable std::map<std::pair<std::size_t, std::size_t>, Vehicle>
@@ -103,8 +104,10 @@ public:
   /// Passes the next follower, which adds this.
   void pass(const Eigen::ArrayXd& added) { last_ = spectra_->advance(next_++, added, ahead_); }
 
-  /// Of the follower that was passed last: the variance of its tracking error, and those of a signal and its change.
+  /// The variance of the tracking error of the follower that was passed last.
   double error_variance() const { return last_.variance(-spectra_->vehicle(next_ - 1).policy, true); }
+
+  /// The variances of a signal of this follower, and of the change of the signal from step to step.
   std::array<double, 2> moments(const Signal& signal) const;
 
 private:
@@ -113,11 +116,5 @@ private:
   HearingSpectra::Window ahead_;
   HearingSpectra::Pair last_;
 };
-
-/// The sum of at least one spectrum.
-inline Eigen::ArrayXd sum_of(std::vector<Eigen::ArrayXd> spectra) {
-  for (std::size_t j = 1; j < spectra.size(); ++j) spectra.front() += spectra[j];
-  return std::move(spectra.front());
-}
 
 }  // namespace platoon

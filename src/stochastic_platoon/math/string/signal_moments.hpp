@@ -24,8 +24,8 @@ struct SignalMoments {
 /// \f[ \sum_j v_j \sum_{l \le k} f_{ij}(l)^2, \qquad \sum_j v_j \sum_{l \le k} f_{ij}(l-1) f_{ij}(l) \f]
 /// for noises, f_ij(-1) = 0, and the last term of each sum alone for initial positions. A source farther back than the
 /// farthest vehicle heard has the responses of the same place one pattern before: O(followers steps) time per vehicle
-/// of the pattern. If any vehicle hears others than its predecessor, the means are the motion of the string without
-/// noise. 1e-11 relative; for a mean relative to the positions times the signal's factor.
+/// of the pattern. If any vehicle hears others than its predecessor, the means are simulated without noise.
+/// 1e-11 relative; for a mean relative to the positions times the signal's factor.
 ///
 /// Throws std::invalid_argument unless followers >= 1, steps >= 1 and has_normal_errors(model), for an unknown name,
 /// and if a loop has no equilibrium.

@@ -35,7 +35,7 @@ public:
   const PlatoonModel& model() const { return model_; }
   bool mean_square_stable() const { return stable_; }
 
-  /// Of a string that hears predecessors; else null.
+  /// The pattern of a string that has LinkedWalks; null if it has HearingWalks.
   const LinkedPattern* pattern() const { return pattern_ ? &*pattern_ : nullptr; }
 
   /// values(walk) of this number of followers, on nodes that are refined until the values settle.
