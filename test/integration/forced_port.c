@@ -1,4 +1,5 @@
 // Preloaded: binds the XML-RPC server of the next node that starts to the port in the file named by FORCED_PORT, and removes the file.
+// A program that executes itself again is delayed, so that others connect to it meanwhile.
 
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -31,4 +32,10 @@ int bind(int socket, const struct sockaddr* address, socklen_t size) {
     }
   }
   return real(socket, address, size);
+}
+
+int execv(const char* path, char* const arguments[]) {
+  int (*const real)(const char*, char* const[]) = (int (*)(const char*, char* const[]))dlsym(RTLD_NEXT, "execv");
+  if (strcmp(path, "/proc/self/exe") == 0) usleep(300000);
+  return real(path, arguments);
 }

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """A launch in adverse surroundings: unusual paths, a full disk, the death of the master, of roslaunch and of nodes."""
 
+import contextlib
 import os
 import re
 import resource
 import signal
+import socket
 import subprocess
 import time
 import unittest
@@ -83,10 +85,32 @@ class Surroundings(LaunchTest):
                 address = master.lookupNode("/launch_test", "/platoon/" + name)[2]
             with open(port, "w") as file:
                 file.write(address.rsplit(":", 1)[1].strip("/"))
-            live_platoon.kill("/platoon/" + name, terminal.master)
-            live_platoon.wait_for(lambda: not os.path.exists(port), "a node at that port")
+            os.kill(live_platoon.process_of("/platoon/" + name, terminal.master), signal.SIGKILL)
+            self.assert_closed(self.connections_until_moved(address, "/platoon/" + name, terminal.master))
+            self.assertFalse(os.path.exists(port), "no node had that port")
         self.completed(terminal)
         self.assert_bits(**settings)
+
+    def connections_until_moved(self, address, node, master):
+        """Connections to this address of a node, opened until the node has another one."""
+        host, port = address.rstrip("/").rsplit("/", 1)[1].split(":")
+        connections = []
+
+        def moved():
+            with contextlib.suppress(OSError):
+                connections.append(socket.create_connection((host, int(port)), 10.0))
+            with xmlrpc.client.ServerProxy(master) as known:
+                return known.lookupNode("/launch_test", node)[2] not in ("", address)
+
+        live_platoon.wait_for(moved, node + " to move from " + address)
+        return connections
+
+    def assert_closed(self, connections):
+        """A caller whose connection stayed open, unanswered, would wait for ever."""
+        self.assertTrue(connections, "nobody connected")
+        for connection in connections:
+            with connection, contextlib.suppress(ConnectionResetError):
+                self.assertEqual(connection.recv(1), b"")
 
     def test_a_killed_channel_with_state_needs_no_timeout(self):
         settings = dict(followers=3, steps=400, realizations=2, model=live_platoon.shared("config", "lossy.yaml"))

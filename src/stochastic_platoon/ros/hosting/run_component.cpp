@@ -47,6 +47,7 @@ void require_other_address(const std::string& before, const std::vector<char*>& 
   if (before.empty() || before != ros::XMLRPCManager::instance()->getServerURI()) return;
   ROS_INFO_STREAM(ros::this_node::getName()
                   << ": got the address of its killed predecessor: starting again at another one");
+  ros::shutdown();  // a connection that its threads accept now would stay open, unanswered, in the new program
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
     const int file = std::stoi(entry.path().filename());
     if (file > 2) ::fcntl(file, F_SETFD, FD_CLOEXEC);
