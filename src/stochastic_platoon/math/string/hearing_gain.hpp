@@ -9,7 +9,7 @@
 
 namespace platoon {
 
-/// The spectral radius of the product over a pattern of the companion matrices of hearing_stability() at a frequency.
+/// The spectral radius of the product over a pattern of the companion matrices of string_stability() at a frequency.
 class HearingGain {
 public:
   /// `model` must outlive the object.

@@ -31,28 +31,6 @@ void require_theory(const PlatoonModel& model) {
     throw std::invalid_argument("no theory, as " + *reason);
 }
 
-double spectral_radius_of(const PlatoonModel& model) {
-  double largest = 0.0;
-  const std::size_t last = farthest_ahead(model) + type_order(model).size();
-  for (std::size_t i = 1; i <= last; ++i)
-    largest = std::max(largest, HearingLoop(vehicle(model, i), i, model.sample_period).spectral_radius());
-  return largest;
-}
-
-double growth_of_predictions(const PlatoonModel& model) {
-  double largest = 0.0;
-  for (const VehicleModel& of : pattern(model)) {
-    for (const Input& input : of.inputs) {
-      if (input.link.loses()) largest = std::max(largest, second_moment_radius(*input.link.loss));
-    }
-  }
-  return largest;
-}
-
-bool is_mean_square_stable(const PlatoonModel& model) {
-  return spectral_radius_of(model) < 1.0 && growth_of_predictions(model) < 1.0;
-}
-
 // Of steady_places(), with losses on average. A lost speed that counts as 0 acts through 1 / K at rest.
 double lateness(const VehicleModel& own, const Input& input, double speed, double period) {
   const std::optional<LossModel> loss = input.link.loses() ? input.link.loss : std::nullopt;
@@ -68,59 +46,6 @@ double lateness(const VehicleModel& own, const Input& input, double speed, doubl
 // Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.
 constexpr double kDoubt = 1e-9;
 constexpr double kLowFrequency = 1e-3;  // [rad/sample] where it is compared with 1
-
-void judge(const PlatoonModel& model, StringStability& verdict) try {
-  const HearingGain gain(model);
-  const HearingGain::Peak peak = gain.peak();
-  const std::string name = farthest_ahead(model) == 1 && is_homogeneous(model)
-                               ? "|T|"
-                               : "the spectral radius of the string's companion matrix";
-  const double at_low = gain(kLowFrequency), at_zero = gain(1e-5);
-  verdict.peak_gain = peak.gain > 1.0 + kDoubt ? peak.gain : std::max(at_zero, std::min(peak.gain, 1.0));
-  verdict.peak_frequency = peak.gain > 1.0 + kDoubt        ? peak.frequency
-                           : at_zero >= peak.gain - kDoubt ? 0.0
-                                                           : peak.frequency;
-  verdict.mean_bounded = peak.gain <= 1.0 + kDoubt;
-  if (peak.gain > 1.0 + kDoubt) {
-    verdict.reason = formatted("not string stable: %s has a peak of %.9g at w = %s", name.c_str(), peak.gain,
-                               frequency_text(peak.frequency, model.sample_period).c_str());
-    return;
-  }
-  if (!(1.0 - at_low > kDoubt * kLowFrequency)) {
-    verdict.undecided = true;
-    verdict.reason = "undecided: " + name + " is 1 to the digits of the model near w = 0";
-    return;
-  }
-  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
-  const std::size_t period = type_order(model).size();
-  std::vector<double> limits;
-  try {
-    limits = settled_hearing(model, [period, loses](const HearingSpectra& spectra) {
-      HearingLimit limit = hearing_limit(spectra, period, loses);
-      limit.variances.push_back(limit.loss_gain);
-      return limit.variances;
-    });
-    if (loses) verdict.loss_gain = limits.back();
-    limits.pop_back();
-  } catch (const NarrowSpectra&) {
-    // Near the border of stability the sign of a margin is known where its value, and the limit, are not.
-  }
-  const double loss_gain = verdict.loss_gain ? *verdict.loss_gain : 1.0 - hearing_loss_margin(model);
-  if (loss_gain >= 1.0) {
-    verdict.reason = formatted(
-        "not string stable: the loss gain is %.6g, not below 1: the variance that losses add grows along the string",
-        loss_gain);
-    return;
-  }
-  verdict.string_stable = true;
-  if (!limits.empty()) verdict.limit_variance = *std::max_element(limits.begin(), limits.end());
-  verdict.reason = formatted("string stable: rho(A) = %.9g is below 1 and %s is below 1 for all w > 0",
-                             verdict.spectral_radius, name.c_str());
-  if (loses) verdict.reason += formatted(", and the loss gain is %.6g, below 1", loss_gain);
-} catch (const NarrowSpectra& narrow) {
-  verdict.undecided = true;
-  verdict.reason = std::string("undecided: ") + narrow.what() + " along an endless string";
-}
 
 }  // namespace
 
@@ -145,8 +70,8 @@ std::vector<double> settled_hearing(const PlatoonModel& model,
 }
 
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {
-  require_theory(model);
-  if (!is_mean_square_stable(model)) return std::vector<double>(followers, kNaN);
+  if (!(std::max(hearing_spectral_radius(model), hearing_growth(model)) < 1.0))
+    return std::vector<double>(followers, kNaN);
   constexpr double kRounding = 1e-14;  // relative to a vehicle's place
   const double speed = metres_per_step(model);
   std::map<const Input*, double> known;  // the inputs of a type serve all its vehicles
@@ -165,27 +90,53 @@ std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followe
   return means;
 }
 
-StringStability hearing_stability(const PlatoonModel& model) {
+double hearing_spectral_radius(const PlatoonModel& model) {
   require_theory(model);
-  StringStability verdict;
-  verdict.spectral_radius = spectral_radius_of(model);
-  const double growth = growth_of_predictions(model);
-  verdict.mean_square_stable = verdict.spectral_radius < 1.0 && growth < 1.0;
-  if (verdict.mean_square_stable) {
-    judge(model, verdict);
-  } else if (verdict.spectral_radius >= 1.0) {
-    verdict.reason = formatted("not mean square stable: rho(A) = %.9g is not below 1", verdict.spectral_radius);
-  } else {
-    verdict.reason = formatted(
-        "not mean square stable: the second moments of predictions from predictions grow by %.9g a step, which is not below 1",
-        growth);
+  double largest = 0.0;
+  const std::size_t last = farthest_ahead(model) + type_order(model).size();
+  for (std::size_t i = 1; i <= last; ++i)
+    largest = std::max(largest, HearingLoop(vehicle(model, i), i, model.sample_period).spectral_radius());
+  return largest;
+}
+
+double hearing_growth(const PlatoonModel& model) {
+  require_theory(model);
+  double largest = 0.0;
+  for (const VehicleModel& of : pattern(model)) {
+    for (const Input& input : of.inputs) {
+      if (input.link.loses()) largest = std::max(largest, second_moment_radius(*input.link.loss));
+    }
   }
-  return verdict;
+  return largest;
+}
+
+JudgedGain hearing_gain(const PlatoonModel& model) {
+  const HearingGain gain(model);
+  const HearingGain::Peak peak = gain.peak();
+  if (peak.gain > 1.0 + kDoubt) return {Sign::kBelow, peak.gain - 1.0, peak.frequency};
+  const double at_zero = gain(1e-5);
+  return {1.0 - gain(kLowFrequency) > kDoubt * kLowFrequency ? Sign::kAbove : Sign::kZero,
+          std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0, at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
+}
+
+HearingLimit hearing_limit(const PlatoonModel& model) try {
+  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
+  const std::size_t period = type_order(model).size();
+  HearingLimit limit;
+  limit.variances = settled_hearing(model, [period, loses](const HearingSpectra& spectra) {
+    HearingLimit found = hearing_limit(spectra, period, loses);
+    found.variances.push_back(found.loss_gain);
+    return found.variances;
+  });
+  limit.loss_gain = limit.variances.back();
+  limit.variances.pop_back();
+  return limit;
+} catch (const NarrowSpectra&) {
+  return {{}, 1.0 - hearing_loss_margin(model)};
 }
 
 double hearing_gain_margin(const PlatoonModel& model) {
-  require_theory(model);
-  const double radius = std::max(spectral_radius_of(model), growth_of_predictions(model));
+  const double radius = std::max(hearing_spectral_radius(model), hearing_growth(model));
   if (!(radius < 1.0)) return 1.0 - radius;
   const HearingGain gain(model);
   const double beyond = gain.peak().gain - 1.0 - kDoubt;

@@ -3,7 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "stochastic_platoon/math/response/pattern_gain.hpp"
+#include "stochastic_platoon/math/string/hearing_limit.hpp"
 
 namespace platoon {
 
@@ -14,16 +15,23 @@ namespace platoon {
 /// Means of the tracking errors at the leader's last speed [m].
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers);
 
-/// The string is stable exactly if every rho(A) < 1, no predictions grow, the product over a pattern of the companion
-/// matrices
-///
-///     [ T_i,i-1  T_i,i-2  ...  T_i,i-r ]
-///     [ 1        0        ...  0       ]  ...
-///
-/// has a spectral radius below 1 for all w > 0, and the variance that losses add does not grow along the string (loss
-/// gain below 1). Inputs from the leader add noise alone. `peak_gain` is the largest spectral radius, for one vehicle
-/// ahead that of |T|; it is sought on a grid of frequencies, and refined.
-StringStability hearing_stability(const PlatoonModel& model);
+/// The largest rho(A), and the largest growth of the second moments of predictions per step.
+double hearing_spectral_radius(const PlatoonModel& model);
+double hearing_growth(const PlatoonModel& model);
+
+/// What decides whether the gain along a string is below 1 for all w > 0.
+struct JudgedGain {
+  Sign margin;                 ///< of 1 - gain over all w > 0; zero if the digits of the model do not decide it
+  double excess;               ///< of the largest gain over 1
+  double frequency;            ///< its frequency [rad/sample]
+  bool is_one = false;         ///< at every frequency
+  bool grows_at_zero = false;  ///< see LinkedPattern::grows_at_zero()
+};
+JudgedGain hearing_gain(const PlatoonModel& model);
+
+/// The end of an endless string whose gain is below 1. Without variances so near to the border of stability that only
+/// the side of 1 of the loss gain is known.
+HearingLimit hearing_limit(const PlatoonModel& model);
 
 /// Positive exactly if the string is string stable without what losses add.
 double hearing_gain_margin(const PlatoonModel& model);

@@ -41,15 +41,24 @@ struct StringStability {
 /// stable platoon. One exceptional kind satisfies |T| < 1 for all w > 0 but is not string stable: if 1 - |T|^2 is
 /// flatter at w = 0 than |S|^2 (order w^6 over w^4), the variances grow without limit.
 ///
+/// Where vehicles hear others than their predecessor, the gain is the spectral radius of the product over a pattern of
+/// the companion matrices
+///
+///     [ T_i,i-1  T_i,i-2  ...  T_i,i-r ]
+///     [ 1        0        ...  0       ]  ...
+///
+/// sought on a grid of frequencies and refined, for one vehicle ahead |T|. Inputs from the leader add noise alone.
+/// `cross_spectra`: in this way also where vehicles hear their predecessors.
+///
 /// Throws std::invalid_argument for a model without theory: see no_theory().
-StringStability string_stability(const PlatoonModel& model);
+StringStability string_stability(const PlatoonModel& model, bool cross_spectra = false);
 
 /// The gain that verdicts judge at these frequencies [rad/sample]: |prod T^| over one pattern, or the spectral radius
-/// of hearing_stability(). Throws as string_stability() does.
+/// of the companion matrices. Throws as string_stability() does.
 std::vector<double> gain_along_string(const PlatoonModel& model, const std::vector<double>& frequencies);
 
 /// What verdicts call the gain that must be below 1: |T|, |T^| over links with losses, delay or other noise, |Gamma|
-/// for a vehicle with radio, |T^| of one pattern for several vehicles.
+/// for a vehicle with radio, |T^| of one pattern for several vehicles, the spectral radius where others are heard.
 std::string gain_name(const PlatoonModel& model);
 
 }  // namespace platoon

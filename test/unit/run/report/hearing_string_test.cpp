@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_theory.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "unit/messages.hpp"
 #include "unit/run/report/hearing_models.hpp"
@@ -36,9 +37,9 @@ TEST(HearingString, LosesTheInputsOfAPacketTogether) {
 }
 
 TEST(HearingString, IsJudgedByItsCompanionMatrix) {
-  EXPECT_TRUE(hearing_stability(hearing_model(kPath)).string_stable);
-  EXPECT_TRUE(hearing_stability(hearing_model(kLeaderShare)).string_stable);
-  const StringStability two = hearing_stability(hearing_model(kTwoAhead));
+  EXPECT_TRUE(string_stability(hearing_model(kPath)).string_stable);
+  EXPECT_TRUE(string_stability(hearing_model(kLeaderShare)).string_stable);
+  const StringStability two = string_stability(hearing_model(kTwoAhead));
   EXPECT_FALSE(two.string_stable);
   EXPECT_NEAR(two.peak_gain, 1.047857, 6e-7);
   EXPECT_NEAR(two.peak_frequency, 0.0262, 6e-5);
@@ -65,7 +66,7 @@ TEST(HearingString, IsThatOfPredecessorsWhereTheyAreHeardAlone) {
   const std::vector<double> expected = stationary_variances(model, 8),
                             found = stationary_variances(StationaryTheory(model, true), 8);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-10) << i;
-  const StringStability one = string_stability(model), other = hearing_stability(model);
+  const StringStability one = string_stability(model), other = string_stability(model, true);
   EXPECT_EQ(one.string_stable, other.string_stable);
   EXPECT_NEAR(*one.limit_variance / *other.limit_variance, 1.0, 1e-9);
   EXPECT_NEAR(*one.loss_gain, *other.loss_gain, 1e-6);
