@@ -13,6 +13,7 @@
 #include "python/interruption.hpp"
 #include "python/model.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
@@ -194,6 +195,7 @@ PYBIND11_MODULE(_platoon, module) {
   module.attr("version") = kVersion;
   module.attr("fastest_car") = kFastestCar;
   module.attr("hardest") = kHardest;
+  module.attr("signals") = all_signal_names();
   module.attr("reversing") = kReversing;
   module.def(
       "shipped_file", [](const std::string& name, const std::string& folder) { return shipped_file(name, folder); },

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <optional>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
@@ -68,7 +69,8 @@ int analyze_main(int argc, char** argv) {
         {"sweep_burst", "FROM:TO:COUNT: stability over mean bursts, and over the others given"},
         {"csv", "file for the map, for plot map"},
         {"signals",
-         "gap, speed, acceleration, jerk, input, separated by commas: their moments beside those of the errors; with the speed its amplification"},
+         platoon::all_signal_names() +
+             ", separated by commas: their moments beside those of the errors; with the speed its amplification"},
         {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"}}});
   try {
     if (given.has("sweep_gain") && !given.has("sweep_headway"))

@@ -137,11 +137,10 @@ class RadioPlatoon(LinkedPlatoon):
 
 
 def signals_of(rows, period):
-    """Gap (without distances), speed, acceleration and jerk, shape (4, FOLLOWERS, STEPS + 1), from step -1 on."""
-    padded, found = np.concatenate([np.repeat(rows[1:, :1], 3, axis=1), rows[1:]], axis=1), [rows[:-1] - rows[1:]]
-    for n in (1, 2, 3):
-        found.append((np.diff(padded, n, axis=1) / period ** n)[:, 3 - n:])
-    return np.array(found)
+    """Gap (without distances), speed, acceleration, jerk and relative speed, shape (5, FOLLOWERS, STEPS + 1), from step -1 on."""
+    padded = np.concatenate([np.repeat(rows[:, :1], 3, axis=1), rows], axis=1)
+    moved = [(np.diff(padded, n, axis=1) / period ** n)[:, 3 - n:] for n in (1, 2, 3)]
+    return np.array([rows[:-1] - rows[1:]] + [motion[1:] for motion in moved] + [moved[0][:-1] - moved[0][1:]])
 
 
 def crossing(m1, v1, m2, v2, c):

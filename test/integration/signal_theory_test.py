@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Compares gap, speed, acceleration, jerk and collisions of analyze with independent computations for random platoons: mean and
+"""Compares gap, speed, acceleration, jerk, relative speed and collisions of analyze with independent computations for random platoons: mean and
 variance of every step with the responses of the whole string to each of its noises, stationary values and limits with the spectra at
 many frequencies in extended precision, and collisions with integrals over the density of one gap.
 
@@ -15,7 +15,7 @@ from random_models import analysis_of, parsed
 from signal_reference import FOLLOWERS, STEPS, LinkedPlatoon, RadioPlatoon, crossing, drawn, signals_of
 
 CLOSE = 1e-9
-SIGNALS = ["gap", "speed", "acceleration", "jerk"]
+SIGNALS, ORDERS = ["gap", "speed", "acceleration", "jerk", "relative_speed"], [0, 1, 2, 3, 1]
 
 
 def check(model_name, platoon, found, wanted):
@@ -42,7 +42,7 @@ def check(model_name, platoon, found, wanted):
         sums = sums + variance * (np.cumsum(square, axis=2) if is_noise else square)
         covariance = covariance + variance * (np.cumsum(product, axis=1) if is_noise else product)
     for n, name in enumerate(SIGNALS):
-        compare(name + " mean", found["signals"][name]["mean"], means[n, :, 1:], np.max(abs(mean)) / period ** n)
+        compare(name + " mean", found["signals"][name]["mean"], means[n, :, 1:], np.max(abs(mean)) / period ** ORDERS[n])
         positive = sums[n] > 1e-10 * np.max(sums[n])
         compare(name + " variance", np.array(found["signals"][name]["variance"])[positive], sums[n][positive])
     below = ndtr(-means[0, :, 1] / np.sqrt(np.maximum(sums[0, :, 0], 1e-300)))
@@ -59,7 +59,8 @@ def check(model_name, platoon, found, wanted):
         t, added = spectra[i]
         own = abs(t) ** 2 * spectrum + added
         gap = abs(1 - t) ** 2 * spectrum + added
-        variances = [float(np.sum(weight * s)) for s in [gap] + [own * (square / period ** 2) ** n for n in (1, 2, 3)]]
+        moved = square / period ** 2
+        variances = [float(np.sum(weight * s)) for s in [gap] + [own * moved ** n for n in (1, 2, 3)] + [gap * moved]]
         from_one = float(np.sum(weight * square * gap)) / 2 / variances[0]
         centre = distance[i] + (vehicles[i]["time_headway"] + platoon.lag(i)) * v
         a = centre / np.sqrt(variances[0])
@@ -95,7 +96,7 @@ def check(model_name, platoon, found, wanted):
         keys = ["limit_probability", "limit_rate", "required_standstill_distance"]
         compare("limit risks", [found["collision"][key] for key in keys], values, conditioned(values))
     else:
-        assert limits == [None] * 4 and found["collision"]["limit_rate"] is None
+        assert limits == [None] * len(SIGNALS) and found["collision"]["limit_rate"] is None
     name = max(worst, key=worst.get)
     assert worst[name] <= CLOSE, "%s: %s differs by %.2g, relative" % (model_name, name, worst[name])
     return worst[name]

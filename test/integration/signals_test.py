@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Gap, speed, acceleration and jerk: the same bits in every hosting, after kills, from shards and from a bag; agreement with the theory;
+"""Gap, speed, acceleration, jerk and relative speed: the same bits in every hosting, after kills, from shards and from a bag; agreement with the theory;
 replay of the worst realization."""
 
 import csv
@@ -17,7 +17,7 @@ from live_platoon import tool
 from terminal import LaunchTest
 
 FOLLOWERS, STEPS, REALIZATIONS = 4, 50, 4000
-SIGNALS = "gap,speed,acceleration,jerk"
+SIGNALS = "gap,speed,acceleration,jerk,relative_speed"
 SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS, seed=5)
 TABLES = ("statistics.csv", "signals.csv", "gaps.csv", "amplification.csv")
 
@@ -148,7 +148,7 @@ class Signals(LaunchTest):
 
     def test_bad_input_is_named(self):
         for options, message in (
-                (dict(signals="distance"), "run/signals: distance: must be some of gap, speed, acceleration, jerk, input, each once"),
+                (dict(signals="distance"), "run/signals: distance: must be some of gap, speed, acceleration, jerk, input, relative_speed, each once"),
                 (dict(only=REALIZATIONS, trajectories="true"), "only: 4000: must be a whole number from 0 to 3999"),
                 (dict(only=3), "only: given: must be with --only and --trajectories"),
                 (dict(only=-1, trajectories="true"), "only: -1: must be a whole number from 0 to 3999")):

@@ -103,6 +103,7 @@ class Optima(unittest.TestCase):
                 (bursts, "stationary_variance/4", gain, [0.8, 1.6], {}),
                 (sp.Model.load("cacc.yaml"), "limit_variance", "controller/kd", [0.4, 1.5], {}),
                 (sp.Model.load(), "signals/gap/limit_variance", gain, [0.8, 1.6], {}),
+                (sp.Model.load("acc.yaml"), "signals/input/stationary_variance/4", "controller/kp", [0.3, 1.5], {}),
                 (sp.Model.load("paper_at_rest.yaml"), "collision/probability/4", gain, [0.8, 1.6], {"collision_probability": 1e-6}),
                 (sp.Model.load("paper_at_rest.yaml"), "collision/required_standstill_distance", gain, [0.8, 1.6],
                  {"collision_probability": 1e-6})):
@@ -111,7 +112,7 @@ class Optima(unittest.TestCase):
                 result = tuned(model, minimise=goal, over={key: ends}, **options)
 
                 def at(value):
-                    signals = ["gap"] if "gap" in goal or "collision" in goal else []
+                    signals = ["gap"] if "collision" in goal else [name for name in sp.SIGNALS if "signals/" + name in goal]
                     document = sp.analyze(model.replace({key: value}), signals=signals, **options)
                     *path, last = goal.split("/")
                     return document[".".join(path)][int(last)] if last.isdigit() else document[goal.replace("/", ".")]

@@ -174,7 +174,7 @@ class ExportedRun(BagTest):
             rows = list(csv.DictReader(stream))
         self.assertEqual(done.stdout, "{}: {} rows\n".format(self.path("out", "trajectories.csv"), 5 * 4 * 21))
         self.assertEqual(list(rows[0]), ["realization", "vehicle", "step", "seconds", "position", "received_position", "gap", "tracking_error",
-                                         "speed", "acceleration", "jerk"])
+                                         "speed", "acceleration", "jerk", "relative_speed"])
         self.assertEqual(len(rows), 5 * 4 * 21)
         period = sp.Model.load(model).sample_period
         self.assertEqual([float(row["seconds"]) for row in rows[:3]], [-period, 0.0, period])
@@ -182,7 +182,7 @@ class ExportedRun(BagTest):
             of = sp.trajectories(sp.Recording(self.bag).model, realization, **settings)
             own = [row for row in rows if row["realization"] == str(realization)]
             for name, order in (("position", 0), ("received_position", 0), ("gap", 0), ("tracking_error", 0), ("speed", 1), ("acceleration", 2),
-                                ("jerk", 3)):
+                                ("jerk", 3), ("relative_speed", 1)):
                 found = np.array([float(row[name] or "nan") for row in own]).reshape(4, 21)
                 followers = slice(0 if name == "position" else 1, None)  # only the export has the leader's speed
                 exact = name in ("position", "received_position")

@@ -89,11 +89,11 @@ class GapTest(PlotTest):
             for i in range(followers + 1):
                 gap = y[i - 1] - y[i] if i and step >= 0 else ""
                 error = "" if gap == "" else gap - STANDSTILL - HEADWAY * PERIOD * speed[i]
-                table.append("{},{},{:.10g},{},{},,,{},{},{},{},".format(
+                table.append("{},{},{:.10g},{},{},,,{},{},{},{},,".format(
                     i, step, PERIOD * step, y[i], received[i - 1] if i else "", error, gap,
                     "" if speed is None else speed[i], "" if acceleration is None else acceleration[i]))
             before, slower = y, speed
-        heading = "vehicle,step,seconds,position,received_position,input,received_input,tracking_error,gap,speed,acceleration,jerk"
+        heading = "vehicle,step,seconds,position,received_position,input,received_input,tracking_error,gap,speed,acceleration,jerk,relative_speed"
         return self.write("\n".join([heading] + sorted(table, key=lambda row: int(row.split(",")[0]))) + "\n", name)
 
 

@@ -12,7 +12,7 @@ the texts of the tools. The messages of this package's topics are in stochastic_
 """
 
 from ._platoon import version as __version__
-from .model import Configuration, Model, Vehicle, shipped_file
+from .model import SIGNALS, Configuration, Model, Vehicle, shipped_file
 from .rare_events import Rare, rare
 from .recording import Recording
 from .results import Results, check
@@ -23,7 +23,7 @@ from .theory import Analysis, StabilityMap, analyze, stability_map
 from .tuning import Tuning, tune
 
 __all__ = [
-    "__version__", "Ages", "Amplification", "Analysis", "Configuration", "Gaps", "Model", "Moments", "Rare", "Recording", "Results",
-    "StabilityMap", "Sweep", "Trajectories", "Tuning", "UnsavedResults", "Vehicle", "analyze", "check", "monte_carlo", "rare",
+    "SIGNALS", "__version__", "Ages", "Amplification", "Analysis", "Configuration", "Gaps", "Model", "Moments", "Rare", "Recording",
+    "Results", "StabilityMap", "Sweep", "Trajectories", "Tuning", "UnsavedResults", "Vehicle", "analyze", "check", "monte_carlo", "rare",
     "shipped_file", "stability_map", "trajectories", "tune",
 ]

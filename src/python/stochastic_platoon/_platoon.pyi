@@ -8,6 +8,7 @@ from .tables import Columns
 version: str
 fastest_car: float
 hardest: float
+signals: str
 reversing: float
 
 class Model:

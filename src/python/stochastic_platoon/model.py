@@ -35,6 +35,7 @@ def checked_vehicle(index: int) -> int:
 FASTEST_CAR = _platoon.fastest_car  #: [m/s], of the warnings about implausible runs, as the next two
 HARDEST = _platoon.hardest  #: [m/s^2]: no road vehicle brakes or accelerates more
 REVERSING = _platoon.reversing  #: [m/s]: slower is backwards, beyond the noise of a standing vehicle
+SIGNALS = tuple(_platoon.signals.split(", "))  #: that a run measures on request
 
 
 @dataclass(frozen=True)

@@ -73,12 +73,13 @@ class Recording:
             for i in range(1, followers + 1):
                 apart, own = y[i - 1] - y[i], vehicles[i]
                 quantities["gap"][i] = apart - vehicles[i - 1].vehicle_length
+                quantities["relative_speed"][i] = (moved[i - 1] - moved[i]) / period
                 quantities["tracking_error"][i] = apart - own.standstill_distance - own.time_headway * moved[i]
             rate = moved
             for order, name in enumerate(("speed", "acceleration", "jerk"), 1):
                 quantities[name][:] = rate / period ** order
                 rate = np.diff(rate, axis=1, prepend=rate[:, :1])
-            for name in ("gap", "tracking_error", "speed", "acceleration", "jerk"):
+            for name in ("gap", "tracking_error", "speed", "acceleration", "jerk", "relative_speed"):
                 quantities[name][:, 0] = np.nan  # signals begin at step 0
             name = "realization {}".format(first + row)
             yield Trajectories(steps, seconds, quantities, self.files[0], name)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Callable, Dict, Iterable, Mapping, Optional
 import numpy as np
 
 from . import _platoon
-from .model import Model, PathLike, handle_of
+from .model import SIGNALS, Model, PathLike, handle_of
 from .results import Results
 from .tables import Grid, Table
 
@@ -79,7 +79,7 @@ def monte_carlo(model: Model, *, realizations: int = 10000, followers: int = 20,
                 progress: Optional[Callable[[int, int], None]] = None) -> Results:
     """Computes `realizations` of a platoon of `followers` over `steps` (10 s of driving by default), with the bits of the nodes.
 
-    `signals`: gap, speed, acceleration, jerk, input, beside the tracking errors. `burn_in`: steps that the amplification leaves out.
+    `signals`: any of SIGNALS, beside the tracking errors. `burn_in`: steps that the amplification leaves out.
     `threads`: one per core by default; the results do not depend on it. `output`: a folder for the results, in which a run that
     was interrupted or killed continues; without it they are only returned. `progress(done, realizations)` is called about ten
     times a second; its exceptions, and Ctrl-C, end the run.
@@ -108,7 +108,8 @@ class Trajectories:
     """All vehicles in one realization of a run, as arrays of shape (vehicles 0..N, steps) from step -1 on; NaN where a value does
     not exist, as the tracking error of the leader."""
 
-    QUANTITIES = ("position", "received_position", "input", "received_input", "tracking_error", "gap", "speed", "acceleration", "jerk")
+    QUANTITIES = ("position", "received_position", "input", "received_input", "tracking_error",
+                  *(name for name in SIGNALS if name != "input"))
 
     def __init__(self, steps: NDArray[np.float64], seconds: NDArray[np.float64], quantities: Mapping[str, NDArray[np.float64]],
                  path: str, name: str) -> None:

@@ -131,7 +131,7 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
             collision_probability: Optional[float] = None, burn_in: Optional[int] = None, keys: Iterable[str] = ()) -> Analysis:
     """The theory of a platoon of `followers` over `steps` (10 s of driving by default).
 
-    `signals`: gap, speed, acceleration, jerk, input. `collision_probability`: per step; adds collisions, and the standstill distance that
+    `signals`: any of SIGNALS. `collision_probability`: per step; adds collisions, and the standstill distance that
     satisfies it. `burn_in`: steps that the amplification leaves out. `keys`: those of the JSON document that are needed, without a report;
     others are then null, empty or missing (default: all). Raises ValueError with all problems of the settings.
     """

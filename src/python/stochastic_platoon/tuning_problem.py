@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, NamedTuple
 import numpy as np
 
 from . import _platoon
-from .model import Model, handle_of
+from .model import SIGNALS, Model, handle_of
 
 if TYPE_CHECKING:  # numpy.typing is younger than the NumPy of Debian 11
     from numpy.typing import NDArray
@@ -24,7 +24,6 @@ Progress = Callable[[str, int, float], None]
 
 #: Figures of which more is better: a single number is their lower bound.
 AT_LEAST = ("phase_margin", "delay_margin", "critical_delay", "critical_loss_probability", "critical_mean_burst")
-SIGNALS = ("gap", "speed", "acceleration", "jerk")
 NEAR = 0.02  # violation up to which the search computes the goal
 WORST = 1e12  # above every goal: an infeasible point
 

@@ -81,7 +81,7 @@ TEST(HowToAdd, AChannelAsAStageOfTheLink) {
     const double before = own.front();
     follower.step(received, own);
     sent = leader.step();
-    if (k > 40) largest = std::max(largest, std::abs(error(sent, {own.front(), before})));
+    if (k > 40) largest = std::max(largest, std::abs(error({sent}, {own.front(), before})));
   }
   EXPECT_LT(largest, 0.5 * 2.69) << "the threshold times the sum of |HT|'s impulse response";
 }

@@ -35,11 +35,11 @@ Wire::Wire(const Input& input, double period, Eigen::Index count)
 Matrix Wire::arriving(const Matrix& source) const {
   if (!difference_) return delayed(source);
   Matrix change = source;
-  for (int order = 0; order < difference_->order; ++order) {
+  for (int order = 0; order < difference_->own.order; ++order) {
     for (Eigen::Index a = change.rows() - 1; a > 0; --a) change.row(a) -= change.row(a - 1);
     change.row(0).setZero();
   }
-  return static_cast<long double>(difference_->factor) * delayed(change);
+  return static_cast<long double>(difference_->own.factor) * delayed(change);
 }
 
 Matrix Wire::delayed(const Matrix& rows) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/math/links/loss_operator.hpp"
@@ -89,10 +90,12 @@ void LinkedWalk::pass(Eigen::ArrayXd added) {
 }
 
 std::array<double, 2> LinkedWalk::moments(const Signal& signal) const {
+  if (signal.is_relative() && signal.own.order > 0) throw std::logic_error("two terms: need cross spectra");
   Eigen::ArrayXd spectrum = spectrum_;
-  if (signal.relative) spectrum = (*spectra_)[next_ - 1].of_gap * before_ + added_;
-  for (int n = 0; n < signal.order; ++n) spectrum *= 2.0 * spectra_->from_one();
-  if (!signal.relative) spectrum *= signal.factor * signal.factor;
+  if (signal.is_relative()) spectrum = (*spectra_)[next_ - 1].of_gap * before_ + added_;
+  const Signal::Term& term = signal.is_relative() ? signal.apart : signal.own;
+  for (int n = 0; n < term.order; ++n) spectrum *= 2.0 * spectra_->from_one();
+  spectrum *= term.factor * term.factor;
   return {spectra_->mean(spectrum), 2.0 * spectra_->mean(spectra_->from_one() * spectrum)};
 }
 

@@ -182,20 +182,22 @@ Sequence filtered_impulse(const TransferFunction& filter, std::size_t steps) {
 Sequence signal_values(const Signal& signal, const Sequence& predecessor, const Motion& motion) {
   if (signal.is_input) return motion.input;
   const Sequence& own = motion.position;
-  Sequence values(own.size(), 0.0L);
+  Sequence sum(own.size(), 0.0L);
   check_interruption();
-  if (signal.order > 0) {
-    values = own;
-    for (int n = 0; n < signal.order; ++n) {
+  const auto add = [&sum](const Signal::Term& term, Sequence values) {
+    for (int n = 0; n < term.order; ++n) {
       for (std::size_t a = values.size(); --a > 0;) values[a] -= values[a - 1];
       values[0] = 0.0L;
     }
-    for (long double& value : values) value *= static_cast<long double>(signal.factor);
+    for (std::size_t a = 0; a < sum.size(); ++a) sum[a] += static_cast<long double>(term.factor) * values[a];
+  };
+  if (signal.own.order > 0) add(signal.own, own);
+  if (signal.is_relative()) {
+    Sequence apart = own;
+    for (std::size_t a = 0; a < apart.size(); ++a) apart[a] = predecessor[a] - own[a];
+    add(signal.apart, std::move(apart));
   }
-  if (signal.relative) {
-    for (std::size_t a = 0; a < values.size(); ++a) values[a] += predecessor[a] - own[a];
-  }
-  return values;
+  return sum;
 }
 
 Sequence tracking_errors(long double headway, const Sequence& predecessor, const Sequence& own) {

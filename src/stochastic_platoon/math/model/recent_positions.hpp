@@ -32,7 +32,7 @@ public:
   std::size_t count() const { return latest_[0].size(); }
 
   /// y(k), y(k-1), y(k-2).
-  Signal::Own<const double*> all() const { return {latest_[0].data(), latest_[1].data(), latest_[2].data()}; }
+  Signal::Recent<const double*> all() const { return {latest_[0].data(), latest_[1].data(), latest_[2].data()}; }
 
 private:
   std::array<AlignedValues, 3> latest_ = {};

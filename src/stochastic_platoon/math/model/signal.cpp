@@ -18,8 +18,8 @@ PLATOON_INLINE double difference(double y0, double y1, double y2, double y3) {
 
 template <bool kRelative, int kOrder>
 PLATOON_INLINE void signal_values(const Signal& signal, const double* predecessor,
-                                  const Signal::Own<const double*>& own, std::size_t count, double* values) {
-  const double offset = signal.offset, factor = signal.factor;  // local copies cannot alias `values`
+                                  const Signal::Recent<const double*>& own, std::size_t count, double* values) {
+  const double offset = signal.offset, factor = signal.own.factor;  // local copies cannot alias `values`
   const double *const y0 = own[0], *const y1 = own[kOrder > 0 ? 1 : 0], *const y2 = own[kOrder > 1 ? 2 : 0],
                       *const y3 = own[kOrder > 2 ? 3 : 0];
   for (std::size_t r = 0; r < count; ++r) {
@@ -31,8 +31,8 @@ PLATOON_INLINE void signal_values(const Signal& signal, const double* predecesso
 
 template <bool kRelative>
 PLATOON_INLINE void values_of_order(const Signal& signal, const double* predecessor,
-                                    const Signal::Own<const double*>& own, std::size_t count, double* values) {
-  switch (signal.order) {
+                                    const Signal::Recent<const double*>& own, std::size_t count, double* values) {
+  switch (signal.own.order) {
     case 0:
       return signal_values<kRelative, 0>(signal, predecessor, own, count, values);
     case 1:
@@ -45,35 +45,58 @@ PLATOON_INLINE void values_of_order(const Signal& signal, const double* predeces
 }
 
 PLATOON_VECTOR_CLONES
-void signal_values(const Signal& signal, const double* predecessor, const Signal::Own<const double*>& own,
+void signal_values(const Signal& signal, const double* predecessor, const Signal::Recent<const double*>& own,
                    std::size_t count, double* values) {
-  if (signal.relative) return values_of_order<true>(signal, predecessor, own, count, values);
+  if (signal.is_relative()) return values_of_order<true>(signal, predecessor, own, count, values);
   values_of_order<false>(signal, predecessor, own, count, values);
+}
+
+// Any terms.
+double value_of(const Signal& signal, Signal::Recent<double> ahead, Signal::Recent<double> own) {
+  for (std::size_t j = 0; j < own.size(); ++j) ahead[j] -= own[j];
+  const auto of_term = [](const Signal::Term& term, Signal::Recent<double>& y) {
+    for (int n = 0; n < term.order; ++n) {
+      for (std::size_t j = 0; j + 1 < y.size(); ++j) y[j] -= y[j + 1];
+    }
+    return term.factor * y[0];
+  };
+  const double apart = signal.is_relative() ? of_term(signal.apart, ahead) - signal.offset : 0.0;
+  return signal.own.order > 0 ? apart + of_term(signal.own, own) : apart;
 }
 
 }  // namespace detail
 
-double Signal::operator()(double predecessor, const Own<double>& own) const {
-  const double* const y = own.data();
+double Signal::operator()(const Recent<double>& ahead, const Recent<double>& own) const {
+  const auto places = [](const Recent<double>& y) { return Recent<const double*>{&y[0], &y[1], &y[2], &y[3]}; };
   double value;
-  (*this)(&predecessor, {y, y + 1, y + 2, y + 3}, 1, &value);
+  (*this)(places(ahead), places(own), 1, &value);
   return value;
 }
 
-void Signal::operator()(const double* predecessor, const Own<const double*>& own, std::size_t count,
+void Signal::operator()(const Recent<const double*>& ahead, const Recent<const double*>& own, std::size_t count,
                         double* values) const {
-  detail::signal_values(*this, predecessor, own, count, values);
+  if (!is_relative() || (apart.factor == 1.0 && apart.order == 0))
+    return detail::signal_values(*this, ahead[0], own, count, values);
+  const auto at = [](const Recent<const double*>& y, std::size_t r, int order) {
+    Recent<double> recent{};
+    for (std::size_t j = 0; j <= static_cast<std::size_t>(order); ++j) recent[j] = y[j][r];
+    return recent;
+  };
+  for (std::size_t r = 0; r < count; ++r)
+    values[r] = detail::value_of(*this, at(ahead, r, apart.order), at(own, r, order()));
 }
 
 SignalPositions SignalPositions::from(std::size_t realization) const {
-  SignalPositions rest{predecessor + realization, own, count - realization};
-  for (const double*& positions : rest.own) positions = positions == nullptr ? nullptr : positions + realization;
+  SignalPositions rest{ahead, own, count - realization, input};
+  for (auto* recent : {&rest.ahead, &rest.own}) {
+    for (const double*& positions : *recent) positions = positions == nullptr ? nullptr : positions + realization;
+  }
   if (input != nullptr) rest.input = input + realization;
   return rest;
 }
 
 void SignalPositions::form(const Signal& signal, double* values) const {
-  if (!signal.is_input) return signal(predecessor, own, count, values);
+  if (!signal.is_input) return signal(ahead, own, count, values);
   if (input == nullptr) throw std::logic_error("the control input is not measured");
   std::copy_n(input, count, values);
 }
@@ -86,20 +109,20 @@ std::vector<double> SignalPositions::of(const Signal& signal) const {
 
 Signal tracking_error(const PlatoonModel& model, std::size_t follower) {
   const VehicleModel& own = vehicle(model, follower);
-  return {true, own.standstill_distance, 1, -own.headway};
+  return {{1.0, 0}, own.standstill_distance, {-own.headway, 1}};
 }
 
 namespace {
 
 Signal gap(const PlatoonModel& model, std::size_t follower) {
-  return {true, vehicle(model, follower - 1).length, 0, 0.0};
+  return {{1.0, 0}, vehicle(model, follower - 1).length};
 }
 
 // D^order y / T_s^order.
 Signal derivative(int order, double sample_period) {
   double factor = 1.0;
   for (int i = 0; i < order; ++i) factor /= sample_period;
-  return {false, 0.0, order, factor};
+  return {{}, 0.0, {factor, order}};
 }
 
 template <int kOrder>
@@ -107,8 +130,12 @@ Signal derivative(const PlatoonModel& model, std::size_t) {
   return derivative(kOrder, model.sample_period);
 }
 
+Signal relative_speed(const PlatoonModel& model, std::size_t) {
+  return {{1.0 / model.sample_period, 1}};
+}
+
 Signal control_input(const PlatoonModel&, std::size_t) {
-  return {false, 0.0, 0, 0.0, true};
+  return {{}, 0.0, {}, true};
 }
 
 }  // namespace
@@ -122,7 +149,8 @@ const std::vector<SignalKind>& signal_kinds() {
                                              {"speed", "m/s", derivative<1>},
                                              {"acceleration", "m/s^2", derivative<2>},
                                              {"jerk", "m/s^3", derivative<3>},
-                                             {kInput, "m/s^2", control_input}};
+                                             {kInput, "m/s^2", control_input},
+                                             {"relative_speed", "m/s", relative_speed}};
   return kinds;
 }
 
@@ -144,6 +172,11 @@ bool measures_input(const PlatoonModel& model, const std::vector<std::string>& s
 
 const char* unit_of(const std::string& name) {
   return kind_of(name).unit;
+}
+
+std::string in_words(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
 }
 
 std::string all_signal_names() {
@@ -182,8 +215,8 @@ std::vector<FollowerSignals> signals_of_all(const PlatoonModel& model, const std
 }
 
 std::size_t steps_before(const FollowerSignals& signals) {
-  int before = signals.error.order;
-  for (const Signal& signal : signals.requested) before = std::max(before, signal.order);
+  int before = signals.error.order();
+  for (const Signal& signal : signals.requested) before = std::max(before, signal.order());
   return static_cast<std::size_t>(before);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
@@ -15,37 +16,49 @@ inline double position_before(double first, std::size_t steps, double slope) {
   return steps == 0 || slope == 0.0 ? first : first - static_cast<double>(steps) * slope;
 }
 
-/// A quantity of follower i that is linear in its position y_i and in that of its predecessor, with the backward
-/// difference D y(k) = y(k) - y(k-1) and y_i(k) = position_before() for k < -1:
+/// A quantity of follower i that is linear in its distance x_i = y_{i-1} - y_i from the predecessor and in its position
+/// y_i, with the backward difference D y(k) = y(k) - y(k-1) and y_i(k) = position_before() for k < -1:
 ///
-///     s_i(k) = [y_{i-1}(k) - y_i(k) - offset] + factor D^order y_i(k),   the bracket only if the signal is relative;
+///     s_i(k) = apart.factor D^apart.order x_i(k) - offset + own.factor D^own.order y_i(k);
 ///
 /// or the control input u_i(k-1), which leads to y_i(k).
 struct Signal {
-  bool relative;
-  double offset;  ///< [m]
-  int order;      ///< 0 (no such term) to kHighestOrder
-  double factor;
+  /// factor D^order, order from 0 to kHighestOrder.
+  struct Term {
+    double factor = 0.0;
+    int order = 0;
+  };
+  Term apart;             ///< factor 0: no such term
+  double offset = 0.0;    ///< [m], beside a term of the distance
+  Term own = {};          ///< order 0: no such term
   bool is_input = false;  ///< the control input; all other members are 0
 
   static constexpr int kHighestOrder = 3;
 
-  /// y_i(k), y_i(k-1), ..., y_i(k - order); later entries are not read.
-  template <class T>
-  using Own = std::array<T, kHighestOrder + 1>;
+  /// Whether the signal has a term of the distance.
+  bool is_relative() const { return apart.factor != 0.0; }
 
-  double operator()(double predecessor, const Own<double>& own) const;
+  /// The number of earlier positions that it needs.
+  int order() const { return std::max(apart.order, own.order); }
+
+  /// y(k), y(k-1), ..., y(k - order); later entries are not read.
+  template <class T>
+  using Recent = std::array<T, kHighestOrder + 1>;
+
+  /// `ahead`: positions of the predecessor.
+  double operator()(const Recent<double>& ahead, const Recent<double>& own) const;
 
   /// The same for `count` realizations. Every pointer refers to `count` values [m]; the ranges do not overlap.
-  void operator()(const double* predecessor, const Own<const double*>& own, std::size_t count, double* values) const;
+  void operator()(const Recent<const double*>& ahead, const Recent<const double*>& own, std::size_t count,
+                  double* values) const;
 };
 
 /// The positions from which the signals of one follower at one step follow, one per realization of a batch [m].
 struct SignalPositions {
-  const double* predecessor;       ///< y_{i-1}(k)
-  Signal::Own<const double*> own;  ///< y_i(k), y_i(k-1), ...; null for steps that no signal needs
-  std::size_t count;               ///< realizations
-  const double* input = nullptr;   ///< u_i(k-1) [m/s^2]; null unless measures_input()
+  Signal::Recent<const double*> ahead;  ///< y_{i-1}(k), y_{i-1}(k-1), ...; null for steps that no signal needs
+  Signal::Recent<const double*> own;    ///< y_i(k), y_i(k-1), ...
+  std::size_t count;                    ///< realizations
+  const double* input = nullptr;        ///< u_i(k-1) [m/s^2]; null unless measures_input()
 
   /// The same from this realization on.
   SignalPositions from(std::size_t realization) const;
@@ -83,18 +96,21 @@ constexpr char kInput[] = "input";
 /// Whether a run with these signals measures the control input of a follower: on request, or because it is limited.
 bool measures_input(const PlatoonModel& model, const std::vector<std::string>& signals, std::size_t follower);
 
-/// All signals on request: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3, and
-/// the control input [m/s^2].
+/// All signals on request: gap [m], speed D y_i / T_s [m/s], acceleration D^2 y_i / T_s^2, jerk D^3 y_i / T_s^3, the
+/// control input [m/s^2], and the relative speed D (y_{i-1} - y_i) / T_s [m/s], at which the gap grows.
 const std::vector<SignalKind>& signal_kinds();
 
 /// The unit of the signal of this name. Throws std::invalid_argument for an unknown name.
 const char* unit_of(const std::string& name);
 
+/// The name in a sentence, as "relative speed".
+std::string in_words(std::string name);
+
 /// The names in a list separated by commas, in the order of signal_kinds(); an empty text gives none. Throws
 /// std::invalid_argument unless each is a signal and given once.
 std::vector<std::string> signal_names(const std::string& text);
 
-/// The allowed names, for messages: "gap, speed, acceleration, jerk, input".
+/// The allowed names, for messages: "gap, speed, acceleration, jerk, input, relative_speed".
 std::string all_signal_names();
 
 /// The signals of one follower that a run computes.
@@ -111,7 +127,7 @@ FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::str
 std::vector<FollowerSignals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
                                             std::size_t followers);
 
-/// Number of earlier own positions that these signals need; at least 1.
+/// Number of earlier positions that these signals need; at least 1.
 std::size_t steps_before(const FollowerSignals& signals);
 
 }  // namespace platoon

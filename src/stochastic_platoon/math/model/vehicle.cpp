@@ -76,7 +76,7 @@ void FollowerVehicle::sum(const Received& received) {
   }
   if (!has_other) std::fill(sums_->forward.begin(), sums_->forward.end(), 0.0);
   if (sums_->own_speed == 0.0 && sums_->own_acceleration == 0.0) return;
-  const Signal::Own<const double*> own = sums_->own.all();
+  const Signal::Recent<const double*> own = sums_->own.all();
   detail::add_own_motion(sums_->own_speed, sums_->own_acceleration, own[0], own[1], own[2], count,
                          sums_->forward.data());
 }

@@ -186,7 +186,7 @@ private:
     string_.run(batch.first, count, of_.event_.steps,
                 [&](std::size_t follower, std::int64_t step, const SignalPositions& at) {
                   check();
-                  gap_[follower - 1](at.predecessor, at.own, count,
+                  gap_[follower - 1](at.ahead, at.own, count,
                                      &gaps_[((follower - 1) * steps_ + static_cast<std::size_t>(step)) * count]);
                 });
   }
@@ -230,7 +230,7 @@ private:
                  [&](std::size_t follower, std::int64_t step, const SignalPositions& at) {
                    check();
                    if (step < of_.event_.burn_in) return;
-                   gap_[follower - 1](at.predecessor, at.own, count, values.data());
+                   gap_[follower - 1](at.ahead, at.own, count, values.data());
                    for (std::size_t r = 0; r < count; ++r) {
                      const Condition& of = shifts_->conditions[r];
                      const bool is_given = of.follower == follower && of.step == static_cast<std::size_t>(step);

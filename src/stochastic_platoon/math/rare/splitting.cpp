@@ -60,7 +60,7 @@ public:
                   [&](std::size_t follower, std::int64_t step, const SignalPositions& at) {
                     check();
                     if (step < of_.event_.burn_in || (row_ < of_.event_.followers && follower != row_ + 1)) return;
-                    gaps_[follower - 1](at.predecessor, at.own, count, values.data());
+                    gaps_[follower - 1](at.ahead, at.own, count, values.data());
                     for (std::size_t s = 0; s < count; ++s) {
                       smallest[first + s] = std::min(smallest[first + s], values[s]);
                       if (values[s] < level) crossing_[first + s] = std::min(crossing_[first + s], step);

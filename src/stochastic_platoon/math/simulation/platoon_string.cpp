@@ -129,18 +129,21 @@ void PlatoonString::move(std::size_t i, std::int64_t from, std::size_t steps, st
       const double* sent = source.positions[at - 1].data();
       if (wire.signal == InputSignal::input) sent = source.inputs[j - 1].data();
       if (wire.difference) {
-        Signal::Own<const double*> positions{};
+        Signal::Recent<const double*> positions{};
         for (std::size_t b = 0; b + 1 <= std::min(before_, positions.size()); ++b)
           positions[b] = source.positions[at - 1 - b].data();
-        (*wire.difference)(nullptr, positions, count, sent_.data());
+        (*wire.difference)({}, positions, count, sent_.data());
         sent = sent_.data();
       }
       wire.link.transmit(k - 1, first, sent, count, received_[n].data(), before);
       received_at_[n] = received_[n].data();
     }
     follower.vehicle.step(received_at_, own.positions[at].data(), needs_input_[i] ? own.inputs[j].data() : nullptr);
-    SignalPositions positions{predecessor.positions[at].data(), {}, count};
-    for (std::size_t b = 0; b <= before_; ++b) positions.own[b] = own.positions[at - b].data();
+    SignalPositions positions{{}, {}, count};
+    for (std::size_t b = 0; b <= before_; ++b) {
+      positions.ahead[b] = predecessor.positions[at - b].data();
+      positions.own[b] = own.positions[at - b].data();
+    }
     if (measured_[i]) positions.input = own.inputs[j].data();
     sink(i, k, positions);
   }

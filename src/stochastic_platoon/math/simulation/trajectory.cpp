@@ -28,13 +28,13 @@ Trajectory of_leader(const PlatoonModel& model, std::size_t steps, bool has_inpu
 }
 
 // y(k), y(k-1), ...; index k of the positions.
-Signal::Own<double> own_positions(const Trajectory& of, std::size_t k, double slope) {
-  Signal::Own<double> own{};
-  for (std::size_t j = 0; j < own.size(); ++j) {
+Signal::Recent<double> recent_positions(const Trajectory& of, std::size_t k, double slope) {
+  Signal::Recent<double> recent{};
+  for (std::size_t j = 0; j < recent.size(); ++j) {
     const std::size_t back = std::min(j, k);
-    own[j] = position_before(of.position[k - back], j - back, slope);
+    recent[j] = position_before(of.position[k - back], j - back, slope);
   }
-  return own;
+  return recent;
 }
 
 std::vector<double> values_of(const Signal& signal, const Trajectory& predecessor, const Trajectory& of, double slope) {
@@ -42,7 +42,7 @@ std::vector<double> values_of(const Signal& signal, const Trajectory& predecesso
   if (signal.is_input) return {of.input.begin() + 1, of.input.end()};
   for (std::size_t k = 1; k < of.position.size(); ++k) {
     check_interruption();
-    values.push_back(signal(predecessor.position[k], own_positions(of, k, slope)));
+    values.push_back(signal(recent_positions(predecessor, k, slope), recent_positions(of, k, slope)));
   }
   return values;
 }
@@ -87,7 +87,7 @@ void for_each_trajectory(const PlatoonModel& model, const WhiteNoise& noise, std
         const InputSignal signal = inputs[n].signal;
         double sent = signal == InputSignal::input ? sources[n]->input[k] : sources[n]->position[k];
         if (is_difference(signal))
-          sent = difference(signal, model.sample_period)(0.0, own_positions(*sources[n], k, slope));
+          sent = difference(signal, model.sample_period)({}, recent_positions(*sources[n], k, slope));
         links[n].transmit(sent_at, realization, &sent, 1, &received[n], before);
         of.received[n].push_back(received[n]);
       }

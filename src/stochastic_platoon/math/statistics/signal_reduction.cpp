@@ -19,7 +19,7 @@ struct SignalTiles {
   std::array<const Signal*, kCellsAtOnce> of_order;  // the signals of order 0, 1, 2 and 3
   const Signal* error;
   const double* predecessor;
-  Signal::Own<const double*> own;
+  Signal::Recent<const double*> own;
   double *errors, *smallest;
 };
 
@@ -61,14 +61,14 @@ struct SignalValues {
 
 template <class Vector>
 PLATOON_INLINE FourNodes reduce_signals(const SignalTiles& tiles, std::size_t offset, unsigned level, double& least) {
-  const Signal::Own<const double*>& own = tiles.own;
+  const Signal::Recent<const double*>& own = tiles.own;
   const auto& of = tiles.of_order;
   LeastOf of_lanes{Lanes{} + least, WideLanes{} + least};
   const FourNodes nodes = reduce_tile_of_four<Vector>(
       level,
       SignalValues{tiles.predecessor + offset, own[0] + offset, own[1] + offset, own[2] + offset, own[3] + offset,
-                   of[0]->offset, of[1]->factor, of[2]->factor, of[3]->factor, tiles.error->offset, tiles.error->factor,
-                   tiles.errors + offset, tiles.smallest + offset, &of_lanes});
+                   of[0]->offset, of[1]->own.factor, of[2]->own.factor, of[3]->own.factor, tiles.error->offset,
+                   tiles.error->own.factor, tiles.errors + offset, tiles.smallest + offset, &of_lanes});
   for (std::size_t lane = 0; lane < kCellsAtOnce; ++lane) least = std::min(least, of_lanes.narrow[lane]);
   for (std::size_t lane = 0; lane < 2 * kCellsAtOnce; ++lane) least = std::min(least, of_lanes.wide[lane]);
   return nodes;
@@ -112,8 +112,8 @@ template <class Vector>
 PLATOON_INLINE FourNodes reduce_errors(const Quarters& quarters, std::size_t offset, unsigned level) {
   const SignalPositions& of = quarters.positions;
   return reduce_tile_of_four<Vector>(
-      level, ErrorsOfQuarters{of.predecessor + offset, of.own[0] + offset, of.own[1] + offset, quarters.error->offset,
-                              quarters.error->factor, quarters.size});
+      level, ErrorsOfQuarters{of.ahead[0] + offset, of.own[0] + offset, of.own[1] + offset, quarters.error->offset,
+                              quarters.error->own.factor, quarters.size});
 }
 
 }  // namespace
@@ -151,11 +151,12 @@ constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 // Whether a lane of the kernel computes the signal: the gap, or a difference of own positions.
 bool has_lane(const Signal& signal) {
-  return signal.relative == (signal.order == 0);
+  if (signal.own.order > 0) return !signal.is_relative();
+  return signal.apart.factor == 1.0 && signal.apart.order == 0;
 }
 
 bool is_tracking_error(const Signal& signal) {
-  return signal.relative && signal.order == 1;
+  return signal.apart.factor == 1.0 && signal.apart.order == 0 && signal.own.order == 1;
 }
 
 void form(const Signal& signal, const SignalPositions& positions, std::size_t offset, std::size_t count,
@@ -218,7 +219,7 @@ const std::vector<std::vector<MomentNode>>& SignalReduction::reduce(const Follow
   places.fill(kNone);
   bool together = false;
   for (std::size_t s = 0; s < requested.size(); ++s) {
-    std::size_t& place = places[static_cast<std::size_t>(requested[s].order)];
+    std::size_t& place = places[static_cast<std::size_t>(requested[s].own.order)];
     if (requested.size() > 1 && kept_ == KeptMoments::two && has_lane(requested[s]) && place == kNone) {
       place = s;
       together = true;
@@ -247,7 +248,7 @@ void SignalReduction::reduce_together(const FollowerSignals& signals, const Plac
   if (values.errors == nullptr || values.smallest == nullptr) unused_.resize(positions.count);
   detail::SignalTiles tiles{{},
                             &signals.error,
-                            positions.predecessor,
+                            positions.ahead[0],
                             positions.own,
                             values.errors == nullptr ? unused_.data() : values.errors,
                             values.smallest == nullptr ? unused_.data() : values.smallest};

@@ -100,14 +100,14 @@ const std::vector<AmplificationFigure>& amplification_figures() {
 std::vector<double> leader_signal(const PlatoonModel& model, const std::string& name, std::int64_t steps) {
   const Signal signal = signals_of(model, {name}, 1).requested.front();
   LeaderVehicle leader(model);
-  Signal::Own<double> own;
+  Signal::Recent<double> own;
   own.front() = leader.start();
   for (std::size_t j = 1; j < own.size(); ++j) own[j] = position_before(own.front(), j, start_slope(model));
   std::vector<double> values;
   for (std::int64_t k = 0; k < steps; ++k) {
     std::copy_backward(own.begin(), own.end() - 1, own.end());
     own.front() = leader.step();
-    values.push_back(signal(own.front(), own));
+    values.push_back(signal(own, own));
   }
   return values;
 }

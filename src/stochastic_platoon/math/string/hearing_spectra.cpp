@@ -89,17 +89,22 @@ const HearingSpectra::Vehicle& HearingSpectra::vehicle(std::size_t follower) con
   return of;
 }
 
-Eigen::ArrayXcd HearingSpectra::filter(const Signal& signal, std::size_t follower) const {
-  Eigen::ArrayXcd values(nodes_.count());
+HearingSpectra::Filters HearingSpectra::filters(const Signal& signal, std::size_t follower) const {
+  const auto of_term = [this](const Signal::Term& term) {
+    Eigen::ArrayXcd values = Eigen::ArrayXcd::Constant(nodes_.count(), term.factor);
+    for (int n = 0; n < term.order; ++n) values *= moved_;
+    return values;
+  };
+  Filters filters{Eigen::ArrayXcd::Zero(nodes_.count()), of_term(signal.apart)};
   if (signal.is_input) {
     const HearingLoop loop(platoon::vehicle(model_, follower), follower, model_.sample_period);
-    for (Eigen::Index k = 0; k < values.size(); ++k)
-      values(k) = std::complex<double>(loop.at(nodes_.points[static_cast<std::size_t>(k)]).sent);
-    return values;
+    for (Eigen::Index k = 0; k < filters.own.size(); ++k)
+      filters.own(k) = std::complex<double>(loop.at(nodes_.points[static_cast<std::size_t>(k)]).sent);
+  } else if (signal.own.order > 0) {
+    filters.own = of_term(signal.own);
   }
-  values.setConstant(signal.order > 0 ? signal.factor : 0.0);
-  for (int n = 0; n < signal.order; ++n) values *= moved_;
-  return signal.relative ? Eigen::ArrayXcd(values - 1.0) : values;
+  filters.own -= filters.predecessor;
+  return filters;
 }
 
 // Links with the same losses share their scatter.
@@ -147,9 +152,9 @@ std::vector<Eigen::ArrayXd> HearingSpectra::added(std::size_t follower, const Wi
   return by_input;
 }
 
-double HearingSpectra::Pair::variance(const Eigen::ArrayXcd& x, bool with_predecessor) const {
-  Eigen::ArrayXd spectrum = x.abs2() * own;
-  if (with_predecessor) spectrum += predecessor + 2.0 * (x * cross).real();
+double HearingSpectra::Pair::variance(const Filters& of) const {
+  const Eigen::ArrayXcd both = of.own * of.predecessor.conjugate() * cross;
+  const Eigen::ArrayXd spectrum = of.own.abs2() * own + (of.predecessor.abs2() * predecessor + 2.0 * both.real());
   return spectrum.mean();
 }
 
@@ -176,10 +181,15 @@ HearingSpectra::Pair HearingSpectra::advance(std::size_t follower, const Eigen::
 }
 
 std::array<double, 2> HearingWalk::moments(const Signal& signal) const {
-  const Eigen::ArrayXcd filter = spectra_->filter(signal, next_ - 1);
+  const HearingSpectra::Filters filters = spectra_->filters(signal, next_ - 1);
   const Eigen::ArrayXd turned = spectra_->moved().abs2();
   const HearingSpectra::Pair changes{turned * last_.own, turned * last_.predecessor, turned * last_.cross};
-  return {last_.variance(filter, signal.relative), changes.variance(filter, signal.relative)};
+  return {last_.variance(filters), changes.variance(filters)};
+}
+
+double HearingWalk::error_variance() const {
+  const Eigen::ArrayXcd& policy = spectra_->vehicle(next_ - 1).policy;
+  return last_.variance({-policy, Eigen::ArrayXcd::Ones(policy.size())});
 }
 
 }  // namespace platoon

@@ -57,20 +57,24 @@ public:
   /// inputs.
   std::vector<Eigen::ArrayXd> added(std::size_t follower, const Window& ahead) const;
 
+  /// What a quantity takes of the positions of a follower and of its predecessor.
+  struct Filters {
+    Eigen::ArrayXcd own, predecessor;
+  };
+
   /// The spectra of a follower and its predecessor, and Phi_{i,i-1}.
   struct Pair {
     Eigen::ArrayXd own, predecessor;
     Eigen::ArrayXcd cross;
 
-    /// Variance of x y_i + r y_{i-1}, for a filter x and r = 1 or 0.
-    double variance(const Eigen::ArrayXcd& x, bool with_predecessor) const;
+    double variance(const Filters& of) const;
   };
 
   /// Puts follower i in front of the window.
   Pair advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const;
 
-  /// What a signal takes of the follower's own position (see Signal); the control input takes 1 / G.
-  Eigen::ArrayXcd filter(const Signal& signal, std::size_t follower) const;
+  /// Those of a signal; the control input takes 1 / G of the own position.
+  Filters filters(const Signal& signal, std::size_t follower) const;
 
   /// 1 - 1 / z at each node.
   const Eigen::ArrayXcd& moved() const { return moved_; }
@@ -105,7 +109,7 @@ public:
   void pass(const Eigen::ArrayXd& added) { last_ = spectra_->advance(next_++, added, ahead_); }
 
   /// The variance of the tracking error of the follower that was passed last.
-  double error_variance() const { return last_.variance(-spectra_->vehicle(next_ - 1).policy, true); }
+  double error_variance() const;
 
   /// The variances of a signal of this follower, and of the change of the signal from step to step.
   std::array<double, 2> moments(const Signal& signal) const;

@@ -52,8 +52,9 @@ StationaryMoments stationary_moments(const PlatoonModel& model, const std::vecto
   for (std::size_t i = 0; i < signals.size(); ++i) {
     const Signal& signal = signals[i][index];
     const VehicleModel& own = vehicle(model, first + i);
-    double mean = signal.order == 1 ? signal.factor * speed : 0.0;
-    if (signal.relative) mean += own.standstill_distance + own.headway * speed + errors[i] - signal.offset;
+    double mean = signal.own.order == 1 ? signal.own.factor * speed : 0.0;
+    if (signal.is_relative() && signal.apart.order == 0)
+      mean += own.standstill_distance + own.headway * speed + errors[i] - signal.offset;
     moments.mean.push_back(mean);
     const std::size_t at = 2 * (i * signals[i].size() + index);
     moments.variance.push_back(values[at]);
@@ -72,7 +73,8 @@ void add_limits(const StationaryTheory& theory, const std::vector<std::string>& 
   const int zeros = linked != nullptr ? linked->gain().zeros() - linked->zeros_at_zero().noise : 0;
   std::vector<std::size_t> bounded;
   for (std::size_t s = 0; s < names.size(); ++s) {
-    if (zeros <= std::max(at_places[0][s].order, 1)) bounded.push_back(s);
+    const Signal& signal = at_places[0][s];
+    if (zeros <= std::max(signal.is_relative() ? signal.apart.order + 1 : signal.own.order, 1)) bounded.push_back(s);
   }
   if (bounded.empty()) return;
   std::vector<Signals> kept(period);

@@ -117,10 +117,10 @@ double SimulatedPredecessor::value_of(const Input& input, std::int64_t step, std
     return step < 0 ? 0.0 : 0.1 * wobble_ * std::sin(phase);
   }
   if (input.signal == InputSignal::position) return position_of(source, step, realization);
-  Signal::Own<double> positions{};
+  Signal::Recent<double> positions{};
   for (std::size_t back = 0; back < positions.size(); ++back)
     positions[back] = position_of(source, step - static_cast<std::int64_t>(back), realization);
-  return difference(input.signal, sample_period_)(0.0, positions);
+  return difference(input.signal, sample_period_)({}, positions);
 }
 
 double SimulatedPredecessor::position_of(std::size_t source, std::int64_t step, std::uint64_t realization) const {

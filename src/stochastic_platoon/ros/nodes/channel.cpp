@@ -137,7 +137,7 @@ const std::vector<double>& Channel::sent_by(Wire& wire, const Position& message)
     wire.positions.add(message.position.data());
   }
   sent_.resize(wire.positions.count());
-  (*wire.difference)(nullptr, wire.positions.all(), sent_.size(), sent_.data());
+  (*wire.difference)({}, wire.positions.all(), sent_.size(), sent_.data());
   return sent_;
 }
 

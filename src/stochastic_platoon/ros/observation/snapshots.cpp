@@ -59,7 +59,7 @@ void Snapshots::publish() {
   message.step = complete->id.step;
   const std::vector<double>& own = complete->position;
   for (std::size_t i = 1; i <= errors_.size(); ++i)
-    message.tracking_error.push_back(errors_[i - 1](own[i - 1], {own[i], complete->position_before[i]}));
+    message.tracking_error.push_back(errors_[i - 1]({own[i - 1]}, {own[i], complete->position_before[i]}));
   for (std::size_t i = 0; i < own.size() && !errors_.empty(); ++i)
     message.speed.push_back((own[i] - complete->position_before[i]) / sample_period_);
   message.position = std::move(complete->position);

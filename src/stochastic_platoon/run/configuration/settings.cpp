@@ -42,7 +42,7 @@ const std::vector<Setting>& settings() {
       {"stall_timeout", "2.0", "seconds without progress before the leader repeats a batch; 0: never", nullptr},
       {"external", "", "external vehicles, which platoon.launch does not start, as in 3,7; empty: none", nullptr},
       {"signals", "",
-       "signals beside the tracking errors, as in gap,speed: gap, speed, acceleration, jerk, input; empty: none",
+       "signals beside the tracking errors, as in gap,speed: gap, speed, acceleration, jerk, input, relative_speed; empty: none",
        nullptr},
       {"burn_in", "",
        "steps left out of the time averages of an endless run (empty: until the start has decayed to 1e-6), or of amplification.csv (empty: none)",

@@ -61,9 +61,10 @@ void SignalAssembly::find_due(std::size_t follower, std::vector<DueSignals>& due
     const std::int64_t k = own.handed_out;
     const MessageId id = arrivals_.id_of(k);
     if (id.step == kInitialStep || id.first_realization < arrivals_.committed()) continue;
-    due.push_back({follower, id, predecessor.at(k), {}, input});
+    due.push_back({follower, id, {}, {}, input});
     for (std::int64_t j = 0; j <= before_; ++j) {
       const std::int64_t back = std::min(j, id.step - kInitialStep);  // at most to step -1
+      due.back().ahead[static_cast<std::size_t>(j)] = shifted(predecessor.at(k - back), j - back, slope_);
       due.back().own[static_cast<std::size_t>(j)] = shifted(own.at(k - back), j - back, slope_);
     }
   }
@@ -71,11 +72,11 @@ void SignalAssembly::find_due(std::size_t follower, std::vector<DueSignals>& due
   let_go(follower - 1);
 }
 
-// Step k of a vehicle is needed for its own signals at k to k + before_ and for its follower's at k.
+// Step k of a vehicle is needed for its own signals and for its follower's at k to k + before_.
 void SignalAssembly::let_go(std::size_t vehicle) {
   Vehicle& owner = vehicles_[vehicle];
   std::int64_t needed = vehicle > 0 ? owner.handed_out - before_ : owner.end();
-  if (vehicle + 1 < vehicles_.size()) needed = std::min(needed, vehicles_[vehicle + 1].handed_out);
+  if (vehicle + 1 < vehicles_.size()) needed = std::min(needed, vehicles_[vehicle + 1].handed_out - before_);
   while (owner.first_kept < needed && !owner.positions.empty()) {
     owner.positions.pop_front();
     ++owner.first_kept;

@@ -15,13 +15,12 @@ namespace platoon {
 /// The positions of one vehicle at one step [m], shared with their message.
 using Positions = std::shared_ptr<const std::vector<double>>;
 
-/// The positions that form the signals of follower i at step k of a batch: y_{i-1}(k), and y_i(k), y_i(k-1), ..., with
-/// position_before() for steps before -1 and none for steps that no signal needs.
+/// The positions that form the signals of follower i at step k of a batch: y_{i-1}(k), y_{i-1}(k-1), ..., and y_i(k),
+/// y_i(k-1), ..., with position_before() for steps before -1 and none for steps that no signal needs.
 struct DueSignals {
   std::size_t follower;  ///< i >= 1
   MessageId id;          ///< k >= 0
-  Positions predecessor;
-  Signal::Own<Positions> own;
+  Signal::Recent<Positions> ahead, own;
   Positions input = {};  ///< u_i(k-1); null unless it is measured
 };
 
@@ -41,8 +40,8 @@ public:
   };
 
   /// Starts at realization `first`; earlier ones are committed. `attempt` is the latest known attempt. `before`: the
-  /// signals of step k need y_i(k - before) to y_i(k), 1 <= before <= Signal::kHighestOrder. `slope`: start_slope()
-  /// [m]. `measured`: the followers whose inputs are measured, in ascending order.
+  /// signals of step k need the positions of steps k - before to k, 1 <= before <= Signal::kHighestOrder. `slope`:
+  /// start_slope() [m]. `measured`: the followers whose inputs are measured, in ascending order.
   SignalAssembly(const BatchSchedule& schedule, std::size_t followers, std::uint64_t first, std::uint32_t attempt,
                  std::int64_t before = 1, double slope = 0.0, std::vector<std::size_t> measured = {});
 

@@ -156,7 +156,7 @@ std::string report(const Configuration& configuration, const SignalAnalysis& ana
   if (analysis.is_empty()) return "Signals and collisions: measured only, as errors are not normal\n";
   std::string text;
   for (std::size_t s = 0; s < names.size(); ++s) {
-    std::string name = names[s];
+    std::string name = in_words(names[s]);
     name[0] = static_cast<char>(name[0] - 'a' + 'A');
     const StationarySignal& signal = analysis.stationary[s];
     text += name + ": stationary variance " +

@@ -76,9 +76,12 @@ void RunStatistics::compare_leader(std::int64_t step, double position) {
 
 ReducedSignals RunStatistics::reduced(const DueSignals& due) const {
   const std::size_t count = due.own.front()->size();
-  SignalPositions positions{due.predecessor->data(), {}, count};
+  SignalPositions positions{{}, {}, count};
   if (due.input) positions.input = due.input->data();
-  for (std::size_t j = 0; j < due.own.size() && due.own[j] != nullptr; ++j) positions.own[j] = due.own[j]->data();
+  for (std::size_t j = 0; j < due.own.size() && due.own[j] != nullptr; ++j) {
+    positions.ahead[j] = due.ahead[j]->data();
+    positions.own[j] = due.own[j]->data();
+  }
   const FollowerSignals& signals = signals_[due.follower - 1];
   ReducedSignals reduced{due.follower,
                          due.id.step,

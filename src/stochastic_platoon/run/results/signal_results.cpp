@@ -242,9 +242,10 @@ std::string signals_report(const Configuration& configuration, const Prediction&
     const std::size_t last = cell(run.followers, run.steps - 1, run.steps);
     const Moments& of = result.signals[s][last];
     const char* const unit = unit_of(run.signals[s]);
-    text += formatted("%s of follower %zu at %s: mean %.6g %s, standard deviation %.6g %s", run.signals[s].c_str(),
-                      run.followers, time_of_step(run.steps - 1, configuration.model).c_str(), of.mean, unit,
-                      std::sqrt(of.variance()), unit);
+    text += formatted("%s of follower %zu at %s: mean %.6g %s, standard deviation %.6g %s",
+                      in_words(run.signals[s]).c_str(), run.followers,
+                      time_of_step(run.steps - 1, configuration.model).c_str(), of.mean, unit, std::sqrt(of.variance()),
+                      unit);
     text += has_signal_theory(prediction, run.followers)
                 ? formatted(" (theory %.6g, %.6g)\n", prediction.signals[s].mean[last],
                             std::sqrt(prediction.signals[s].variance[last]))

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kFollowers = 3;
 constexpr std::int64_t kSteps = 45;  // more than the string computes at once
-const std::vector<std::string> kSignals{"gap", "speed", "acceleration", "jerk"};
+const std::vector<std::string> kSignals{"gap", "speed", "acceleration", "jerk", "relative_speed"};
 
 std::vector<Trajectory> trajectories(const PlatoonModel& model, std::uint64_t seed, std::size_t followers,
                                      std::int64_t steps, std::uint64_t realization) {
@@ -38,7 +38,7 @@ void expect_bits_of_the_string(const PlatoonModel& model) {
         for (std::size_t kind = 0; kind < all.size(); ++kind, ++compared)
           ASSERT_EQ(found[i].signals.at(kind).at(static_cast<std::size_t>(k)), positions.of(all[kind])[kPlace]);
       });
-  EXPECT_EQ(compared, 5 * kFollowers * static_cast<std::size_t>(kSteps));
+  EXPECT_EQ(compared, 6 * kFollowers * static_cast<std::size_t>(kSteps));
 }
 
 TEST(Trajectories, HaveTheBitsOfTheRun) {

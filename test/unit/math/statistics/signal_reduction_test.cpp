@@ -34,7 +34,7 @@ void expect_bits_of_the_values(const FollowerSignals& signals, KeptMoments kept)
   for (const std::size_t count : {1, 2, 3, 5, 8, 16, 100, 511, 512, 1500, 9000}) {
     std::vector<std::vector<double>> y;
     for (std::uint32_t v = 0; v < 5; ++v) y.push_back(positions(v, count));
-    const SignalPositions at{y[0].data(), {y[1].data(), y[2].data(), y[3].data(), y[4].data()}, count};
+    const SignalPositions at{{y[0].data(), y[2].data()}, {y[1].data(), y[2].data(), y[3].data(), y[4].data()}, count};
     for (const std::uint64_t first : {0, 5, 512}) {
       SCOPED_TRACE(std::to_string(count) + " realizations from " + std::to_string(first));
       std::vector<double> errors(count), smallest(count, std::numeric_limits<double>::infinity());
@@ -77,20 +77,21 @@ TEST(SignalReduction, HasTheBitsOfEachSignalAlone) {
   expect_bits_of_the_values(signals({"speed", "acceleration"}), KeptMoments::two);
   expect_bits_of_the_values(signals({"gap", "speed", "jerk"}), KeptMoments::two);
   expect_bits_of_the_values(signals({"gap", "speed", "acceleration", "jerk"}), KeptMoments::two);
+  expect_bits_of_the_values(signals({"relative_speed", "gap", "speed"}), KeptMoments::two);
 }
 
 TEST(SignalReduction, AcceptsSignalsOfAnyForm) {
   FollowerSignals odd = signals({"jerk", "gap", "speed"});
-  odd.requested.front().factor = 1e-3;  // so that the least value is not that of the gap, either
-  odd.error = {true, 1.5, 2, -0.3};
-  odd.requested.push_back({true, 2.0, 1, -0.7});
+  odd.requested.front().own.factor = 1e-3;  // so that the least value is not that of the gap, either
+  odd.error = {{1.0, 0}, 1.5, {-0.3, 2}};
+  odd.requested.push_back({{1.0, 0}, 2.0, {-0.7, 1}});
   odd.requested.push_back(odd.requested.front());
   expect_bits_of_the_values(odd, KeptMoments::two);
 }
 
 TEST(SignalReduction, FormsErrorsWithoutRequestedSignals) {
   const std::vector<double> ahead = positions(0, 9), own = positions(1, 9), before = positions(2, 9);
-  const SignalPositions at{ahead.data(), {own.data(), before.data(), nullptr, nullptr}, 9};
+  const SignalPositions at{{ahead.data()}, {own.data(), before.data(), nullptr, nullptr}, 9};
   std::vector<double> errors(9);
   EXPECT_TRUE(SignalReduction(3, 9, KeptMoments::two).reduce(signals({}), at, {errors.data(), nullptr}).empty());
   EXPECT_EQ(errors, at.of(signals({}).error));

@@ -35,7 +35,7 @@ std::vector<double> run_string(const PlatoonModel& model, std::size_t followers,
       loop->step(&input, model.default_vehicle().standstill_distance, y.data(), {});
     }
     const Signal zeta = tracking_error(model, 1);
-    for (std::size_t k = 1; k <= steps; ++k) errors.push_back(zeta(ahead[k], {own[k], own[k - 1]}));
+    for (std::size_t k = 1; k <= steps; ++k) errors.push_back(zeta({ahead[k]}, {own[k], own[k - 1]}));
     ahead = own;
   }
   return errors;

@@ -26,7 +26,7 @@ std::vector<double> run(const PlatoonModel& model, std::size_t followers, std::s
     positions.push_back(own.front());
     for (std::size_t k = 0; k < steps; ++k) {
       follower.step({ahead[k]}, own);
-      errors.push_back(zeta(ahead[k + 1], {own.front(), positions.back()}));
+      errors.push_back(zeta({ahead[k + 1]}, {own.front(), positions.back()}));
       positions.push_back(own.front());
     }
     ahead.swap(positions);

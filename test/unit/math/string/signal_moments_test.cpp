@@ -12,7 +12,7 @@
 namespace platoon {
 namespace {
 
-const std::vector<std::string> kAll = {"gap", "speed", "acceleration", "jerk"};
+const std::vector<std::string> kAll = {"gap", "speed", "acceleration", "jerk", "relative_speed"};
 constexpr double kPeriod = 0.5;
 
 /// Every vehicle repeats the position received one step ago: T = 1 / z.
@@ -44,7 +44,10 @@ TEST(SignalMoments, OfRelaysSumTheirNoises) {
   expect_row(found[2].variance, 0,
              {0.0, of_acceleration, 5.0 * of_acceleration, 6.0 * of_acceleration, 6.0 * of_acceleration});
   expect_row(found[3].variance, 0, {0.0, of_jerk, 10.0 * of_jerk, 19.0 * of_jerk, 20.0 * of_jerk});
-  for (std::size_t s = 1; s < 4; ++s) EXPECT_TRUE(found[s].covariance_with_previous.empty());
+  // T_s times the relative speed of follower 2: n_1(k-1) - 2 n_1(k-2) + n_1(k-3) - n_2(k-1) + n_2(k-2).
+  expect_row(found[4].variance, 0, {0.0, of_speed, 2.0 * of_speed, 2.0 * of_speed, 2.0 * of_speed});
+  expect_row(found[4].variance, 1, {0.0, 2.0 * of_speed, 7.0 * of_speed, 8.0 * of_speed, 8.0 * of_speed});
+  for (std::size_t s = 1; s < kAll.size(); ++s) EXPECT_TRUE(found[s].covariance_with_previous.empty());
 }
 
 // With p_i at step -1, y_1 is 0 and y_2 is p_1 at step 0, and both are 0 from step 1 on. Before step -1 no vehicle
@@ -58,6 +61,8 @@ TEST(SignalMoments, OfInitialPositionsDecay) {
   expect_row(found[1].mean, 0, {-14.0, 0.0, 0.0});
   expect_row(found[1].variance, 0, {20.0, 0.0, 0.0});
   expect_row(found[1].variance, 1, {40.0, 20.0, 0.0});
+  expect_row(found[4].mean, 1, {-14.0, 14.0, 0.0});
+  expect_row(found[4].variance, 1, {100.0, 20.0, 0.0});
   expect_row(found[2].variance, 0, {80.0, 80.0, 0.0});
   expect_row(found[3].variance, 0, {320.0, 4.0 * 320.0, 320.0});
 }

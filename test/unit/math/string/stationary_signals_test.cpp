@@ -14,7 +14,7 @@
 namespace platoon {
 namespace {
 
-const std::vector<std::string> kAll = {"gap", "speed", "acceleration", "jerk"};
+const std::vector<std::string> kAll = {"gap", "speed", "acceleration", "jerk", "relative_speed"};
 
 // Delay, coloured noise, three types and a car with radio, all with an effect of their own on the spectra.
 std::vector<PlatoonModel> settling_platoons() {
@@ -117,6 +117,7 @@ TEST(StationarySignals, HaveLimitsIfTheyVanishAtLowFrequencies) {
   EXPECT_FALSE(found[1].limit_variance());
   EXPECT_TRUE(found[2].limit_variance());
   EXPECT_TRUE(found[3].limit_variance());
+  EXPECT_TRUE(found[4].limit_variance());
   // The same behind noise that vanishes like w^2.
   PlatoonModel differenced = model;
   differenced.default_vehicle().position().link.noise_filter =
@@ -152,6 +153,7 @@ TEST(StationarySignals, HaveTheMeansOfTheSpacingPolicy) {
   EXPECT_NEAR(found[1].followers.mean[1], 20.0, 1e-13);
   EXPECT_EQ(found[2].followers.mean[1], 0.0);
   EXPECT_EQ(found[3].followers.mean[1], 0.0);
+  EXPECT_EQ(found[4].followers.mean[1], 0.0);
 }
 
 TEST(StationarySignals, RejectModelsWithoutTheory) {

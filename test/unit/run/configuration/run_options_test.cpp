@@ -153,9 +153,11 @@ TEST(RunOptions, HaveTheirSignalsInOneOrder) {
 
 TEST(RunOptions, NameAnInvalidSignal) {
   for (const char* given : {"distance", "gap,", "gap,gap", ",gap", "gap speed", "Gap"}) {
-    EXPECT_EQ(problems_with("signals", given),
-              Problems{std::string("run/signals: ") + given +
-                       ": must be some of gap, speed, acceleration, jerk, input, each once, separated by commas"});
+    EXPECT_EQ(
+        problems_with("signals", given),
+        Problems{
+            std::string("run/signals: ") + given +
+            ": must be some of gap, speed, acceleration, jerk, input, relative_speed, each once, separated by commas"});
   }
 }
 

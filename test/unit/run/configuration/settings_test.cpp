@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <regex>
 #include <set>
 #include <string>
 
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "unit/messages.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -14,6 +17,13 @@ namespace {
 TEST(Settings, HaveDifferentNames) {
   std::set<std::string> names;
   for (const Setting& setting : settings()) EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
+}
+
+TEST(Settings, NameAllSignals) {
+  const auto of_signals = std::find_if(settings().begin(), settings().end(),
+                                       [](const Setting& setting) { return setting.name == std::string("signals"); });
+  ASSERT_NE(of_signals, settings().end());
+  EXPECT_TRUE(contains(of_signals->help, ": " + all_signal_names() + ";"));
 }
 
 // The launch file repeats default and help of each argument, because roslaunch cannot read them from here.

@@ -14,7 +14,7 @@
 namespace platoon {
 
 inline const BatchSchedule kSchedule{20, 8, 3};  // batches at 0, 8 and, of size 4, at 16; steps -1 .. 2
-inline const Signal kError{true, 0.5, 1, -3.2};
+inline const Signal kError{{1.0, 0}, 0.5, {-3.2, 1}};
 constexpr std::size_t kFollowers = 2;
 
 // A different position for each vehicle, realization and step.
@@ -24,7 +24,7 @@ inline double position(std::size_t vehicle, std::uint64_t realization, std::int6
 }
 
 inline double error(std::size_t follower, std::uint64_t realization, std::int64_t step) {
-  return kError(position(follower - 1, realization, step),
+  return kError({position(follower - 1, realization, step)},
                 {position(follower, realization, step), position(follower, realization, step - 1)});
 }
 
@@ -97,12 +97,14 @@ private:
     latest_[follower] = id;
     ASSERT_EQ(due.own[0]->size(), schedule_.size(id.first_realization));
     for (std::size_t r = 0; r < due.own[0]->size(); ++r) {
-      EXPECT_DOUBLE_EQ(kError((*due.predecessor)[r], {(*due.own[0])[r], (*due.own[1])[r]}),
+      EXPECT_DOUBLE_EQ(kError({(*due.ahead[0])[r]}, {(*due.own[0])[r], (*due.own[1])[r]}),
                        error(follower, id.first_realization + r, id.step))
           << "follower " << follower << ", realization " << id.first_realization + r << ", step " << id.step;
       for (std::int64_t j = 0; j <= Signal::kHighestOrder; ++j) {
         ASSERT_EQ((*due.own[static_cast<std::size_t>(j)])[r],
                   position(follower, id.first_realization + r, std::max(id.step - j, kInitialStep)));
+        ASSERT_EQ((*due.ahead[static_cast<std::size_t>(j)])[r],
+                  position(follower - 1, id.first_realization + r, std::max(id.step - j, kInitialStep)));
       }
     }
     ++due_[id.first_realization];

@@ -67,8 +67,8 @@ TEST(SignalAssembly, ReleasesPositionsOnceTheirErrorsAreFormed) {
   for (const std::uint64_t first : {0, 8, 16}) {
     for (std::int64_t step = -1; step < 3; ++step) {
       assembled.receive_steps(1, first, step, step);
-      EXPECT_LE(assembled.positions_kept(), kFollowers * Signal::kHighestOrder)
-          << "of each follower, for its next signals";
+      EXPECT_LE(assembled.positions_kept(), (kFollowers + 1) * Signal::kHighestOrder)
+          << "of each vehicle, for the next signals";
     }
   }
 }
@@ -131,7 +131,7 @@ TEST(SignalAssembly, FormsNoErrorOfACommittedBatchAgain) {
   for (const std::uint64_t first : {0, 8}) assembled.receive_steps(2, first, -1, 2);
   EXPECT_EQ(assembled.errors_due(), before);
   EXPECT_EQ(assembled.batches().size(), 2u);
-  EXPECT_LE(assembled.positions_kept(), kFollowers * Signal::kHighestOrder);
+  EXPECT_LE(assembled.positions_kept(), (kFollowers + 1) * Signal::kHighestOrder);
   assembled.receive_steps(2, 16, -1, 2);
   expect_whole_run(assembled);
   EXPECT_EQ(assembled.errors_due(), 3 * 3 * kFollowers);

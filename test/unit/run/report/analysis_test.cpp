@@ -159,10 +159,10 @@ TEST(Analysis, HasNoCriticalHeadwayOfAGivenClosedLoop) {
 
 TEST(Analysis, HasTheRequestedSignals) {
   const PlatoonModel model = model_at(3.2);
-  const Analyzed analyzed(model, 3, 10, {{"jerk"}, 1e-6});
+  const Analyzed analyzed(model, 3, 10, {{"jerk", "relative_speed"}, 1e-6});
   const nlohmann::json document = analyzed.json();
-  ASSERT_EQ(document.at("signals").size(), 2u) << "collisions imply the gap";
-  for (const char* name : {"gap", "jerk"}) {
+  ASSERT_EQ(document.at("signals").size(), 3u) << "collisions imply the gap";
+  for (const char* name : {"gap", "jerk", "relative_speed"}) {
     const nlohmann::json& signal = document.at("signals").at(name);
     for (const char* key : {"mean", "variance"}) {
       EXPECT_EQ(signal.at(key).size(), 3u) << key;
@@ -183,6 +183,7 @@ TEST(Analysis, HasTheRequestedSignals) {
   EXPECT_TRUE(contains(text, "; for any of the 3 followers "));
   EXPECT_TRUE(contains(text, "at the leader's last speed, 20 m/s"));
   EXPECT_TRUE(contains(text, "Jerk: stationary variance "));
+  EXPECT_TRUE(contains(text, "Relative speed: stationary variance "));
   EXPECT_TRUE(contains(text, "Required standstill distance for 1e-06 per step: "));
 }
 

@@ -24,7 +24,7 @@
 namespace platoon {
 namespace {
 
-const std::vector<std::string> kSignals{"gap", "speed", "acceleration", "jerk"};
+const std::vector<std::string> kSignals{"gap", "speed", "acceleration", "jerk", "relative_speed"};
 
 PlatoonModel radio_car(const std::string& loss = "") {
   return hearing_model(kRadioCar + R"(

@@ -26,7 +26,7 @@ TEST_F(EndlessRunStatisticsTest, AreAveragesOverTimeBehindTheBurnIn) {
   std::vector<Moments> expected(2);
   for (std::size_t i = 1; i <= 2; ++i) {
     for (std::int64_t k = 30; k < 50; ++k) {
-      expected[i - 1].add(error(all.at(i - 1, k)->front(), {all.at(i, k)->front(), all.at(i, k - 1)->front()}));
+      expected[i - 1].add(error({all.at(i - 1, k)->front()}, {all.at(i, k)->front(), all.at(i, k - 1)->front()}));
     }
   }
   expect_same_bits(statistics.averages().moments(), expected);
