@@ -5,33 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stochastic_platoon/math/numerics/text.hpp"
-
 namespace platoon {
-
-namespace {
-
-// " (...)": the random losses that have a theory in place of the recorded ones; empty if none have.
-std::string theory_of_random_losses(PlatoonModel model) {
-  const auto change = [&model](const auto& changed) {
-    for (VehicleType& type : model.types) {
-      for (Input& input : type.vehicle.inputs) {
-        if (input.link.loss && input.link.loss->trace) changed(*input.link.loss);
-      }
-    }
-  };
-  PlatoonModel recorded = model;
-  change([](LossModel& loss) { loss.trace.reset(); });
-  if (!no_theory(model)) return " (random losses with these two have a theory)";
-  model = std::move(recorded);
-  change([](LossModel& loss) {
-    loss.trace.reset();
-    loss.mean_burst.reset();
-  });
-  return no_theory(model) ? "" : " (independent losses of this probability have a theory)";
-}
-
-}  // namespace
 
 bool has_bursts(const PlatoonModel& model) {
   return any_link(model, [](const LinkModel& link) { return link.loss && !link.loss->is_independent(); });
@@ -39,19 +13,9 @@ bool has_bursts(const PlatoonModel& model) {
 
 std::optional<std::string> no_theory(const PlatoonModel& model) {
   if (has_limits(model)) return "vehicles have limits";
-  if (depends_on_gap(model)) return "losses depend on the gap";
-  const LossModel* recorded = nullptr;
-  any_link(model, [&](const LinkModel& link) {
-    if (link.loses() && link.loss->trace) recorded = &*link.loss;
-    return recorded != nullptr;
-  });
-  if (recorded != nullptr)
-    return formatted("losses follow a recorded trace, of loss probability %.6g and mean burst %.6g",
-                     recorded->probability, *recorded->mean_burst) +
-           theory_of_random_losses(model);
-  if (any_link(model, [](const LinkModel& link) { return link.loses() && link.loss->alternates(); }))
-    return "losses and arrivals alternate (mean_burst: 1 at a probability of 0.5), so that no variance settles";
-  return std::nullopt;
+  std::optional<std::string> reason;
+  any_link(model, [&reason](const LinkModel& link) { return (reason = link.no_theory()).has_value(); });
+  return reason;
 }
 
 LinkedPattern::LinkedPattern(const PlatoonModel& model, const LinkedPattern& known) {

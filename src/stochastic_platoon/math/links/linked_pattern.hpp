@@ -14,8 +14,7 @@ namespace platoon {
 /// Whether a link of the string loses other than independently: in bursts, by a chain, by a trace, by the distance.
 bool has_bursts(const PlatoonModel& model);
 
-/// The reason why a platoon has no theory: losses that depend on the gap, recorded losses, or losses that strictly
-/// alternate with arrivals (q = 1/2 and mean burst 1). None if it has one.
+/// The reason why a platoon has no theory: limits of its vehicles, or a link without one. None if it has one.
 std::optional<std::string> no_theory(const PlatoonModel& model);
 
 /// One pattern of the string: its vehicle types, each once, and their order. In a string with radios, a type behind

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
 
@@ -64,6 +65,19 @@ double growth(const LossTrace& trace, const std::vector<double>& predictor) {
   }
   return std::exp(
       std::min(exponent + std::log(spectral_radius(product)), std::log(std::numeric_limits<double>::max())));
+}
+
+std::optional<std::string> LinkModel::no_theory() const {
+  if (!loses()) return std::nullopt;
+  if (loss->by_distance) return "losses depend on the gap";
+  LossModel random = *loss;
+  random.trace.reset();
+  if (loss->trace)
+    return formatted("losses follow a recorded trace, of loss probability %.6g and mean burst %.6g (%s have a theory)",
+                     loss->probability, *loss->mean_burst,
+                     random.alternates() ? "independent losses of this probability" : "random losses with these two");
+  if (!random.alternates()) return std::nullopt;
+  return "losses and arrivals alternate (mean_burst: 1 at a probability of 0.5), so that no variance settles";
 }
 
 bool LinkModel::has_white_noise() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stochastic_platoon/math/model/loss_by_distance.hpp"
@@ -75,6 +76,13 @@ struct LinkModel {
   std::optional<LossModel> loss = {};
 
   bool loses() const { return loss && loss->probability > 0.0; }
+
+  /// Why the link has no theory: its losses depend on the gap, are recorded, or strictly alternate with arrivals (q =
+  /// 1/2 and mean burst 1). None if it has one.
+  std::optional<std::string> no_theory() const;
+
+  /// Whether what a vehicle receives is linear in the positions and in normal noise.
+  bool is_normal() const { return !loses() && quantisation_step == 0.0; }
 
   /// Whether W = 1.
   bool has_white_noise() const;

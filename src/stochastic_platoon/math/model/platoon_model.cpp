@@ -147,8 +147,7 @@ bool depends_on_gap(const PlatoonModel& model) {
 }
 
 bool has_normal_errors(const PlatoonModel& model) {
-  return !has_limits(model) &&
-         !any_link(model, [](const LinkModel& link) { return link.loses() || link.quantisation_step > 0.0; });
+  return !has_limits(model) && !any_link(model, [](const LinkModel& link) { return !link.is_normal(); });
 }
 
 std::string duration(std::int64_t steps, const PlatoonModel& model) {

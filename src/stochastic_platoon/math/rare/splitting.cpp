@@ -163,8 +163,7 @@ Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uin
     : model_(model),
       event_(event),
       paths_(static_cast<std::size_t>(realizations / kRepetitions)),
-      has_uniforms_(
-          any_link(model, [](const LinkModel& link) { return link.loses() || link.quantisation_step > 0.0; })) {
+      has_uniforms_(any_link(model, [](const LinkModel& link) { return !link.is_normal(); })) {
   if (realizations < kLeastRealizations || realizations > kMostRealizations)
     throw std::invalid_argument(formatted(
         "realizations: %llu: must be from %llu to %llu for a splitting", static_cast<unsigned long long>(realizations),
