@@ -226,11 +226,11 @@ LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable,
   return link;
 }
 
-nlohmann::json to_json(const LinkModel& link) {
+nlohmann::json to_json(const LinkModel& link, bool with_defaults) {
   nlohmann::json document = nlohmann::json::object();
-  if (!link.has_white_noise()) document["noise_filter"] = to_json(link.noise_filter);
-  if (link.quantisation_step > 0.0) document["quantisation_step"] = link.quantisation_step;
-  if (link.delay > 0) document["delay"] = link.delay;
+  if (with_defaults || !link.has_white_noise()) document["noise_filter"] = to_json(link.noise_filter);
+  if (with_defaults || link.quantisation_step > 0.0) document["quantisation_step"] = link.quantisation_step;
+  if (with_defaults || link.delay > 0) document["delay"] = link.delay;
   if (link.loss) document["loss"] = to_json(*link.loss);
   return document;
 }

@@ -14,7 +14,8 @@ namespace platoon {
 LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable,
                     InputSignal signal = InputSignal::position);
 
-/// JSON for read_link(): the differences from the paper's channel.
-nlohmann::json to_json(const LinkModel& link);
+/// JSON for read_link(): the differences from the paper's channel. `with_defaults`: all keys but a loss, as a vehicle
+/// type inherits omitted ones. Only `inputs` can take away a loss.
+nlohmann::json to_json(const LinkModel& link, bool with_defaults = false);
 
 }  // namespace platoon

@@ -217,15 +217,6 @@ nlohmann::json to_json(const VehicleModel& vehicle) {
   return document;
 }
 
-// A type inherits omitted keys, so all link keys that may differ are written. Only `inputs` can take away a loss.
-nlohmann::json full_link(const LinkModel& link) {
-  nlohmann::json document = to_json(link);
-  document["noise_filter"] = to_json(link.noise_filter);
-  document["quantisation_step"] = link.quantisation_step;
-  document["delay"] = link.delay;
-  return document;
-}
-
 }  // namespace
 
 // An absent key has the paper's value, so that the text of the paper's platoon never changes.
@@ -250,7 +241,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
   for (std::size_t i = 1; i < model.types.size(); ++i) {
     const VehicleType& type = model.types[i];
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
-    if (type.vehicle.hears_predecessor_only()) written["channel"] = full_link(type.vehicle.position().link);
+    if (type.vehicle.hears_predecessor_only()) written["channel"] = to_json(type.vehicle.position().link, true);
     if (type.vehicle.own_acceleration != own.own_acceleration)
       written["own_acceleration"] = type.vehicle.own_acceleration;
     if (own.constant_spacing && !type.vehicle.constant_spacing) written["spacing"] = "headway";
