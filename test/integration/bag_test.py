@@ -13,7 +13,7 @@ import rosbag
 import rosgraph
 
 import live_platoon
-from recording import BagTest, DATA
+from recording import BagTest, DATA, forged_position, rewritten
 
 
 class RecordAndReplay(BagTest):
@@ -80,14 +80,13 @@ class RecordAndReplay(BagTest):
     def test_a_platoon_time_that_went_back_in_the_run_leaves_nothing_out(self):
         # As after a kill of all nodes that know it.
         self.record(followers=2, steps=20, realizations=40, batch=10)
-        back = self.path("back.bag")
-        with rosbag.Bag(self.bag) as source, rosbag.Bag(back, "w") as changed:
-            for topic, message, time_of in source.read_messages():
-                if getattr(message, "first_realization", 30) < 30:
-                    message.header.stamp.secs += 1000
-                if not topic.endswith("/checksum"):
-                    changed.write(topic, message, time_of)
-        again = self.path("again")
+
+        def earlier(topic, message):
+            if getattr(message, "first_realization", 30) < 30:
+                message.header.stamp.secs += 1000
+            return 0 if topic.endswith("/checksum") else 1
+
+        back, again = rewritten(self.bag, self.path("back.bag"), earlier), self.path("again")
         self.run_to_the_end("replay.launch", bag=back, unverified=True, output=again)
         self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
 
@@ -136,12 +135,7 @@ class Drive(BagTest):
 
     def test_a_vehicle_that_differs_is_told(self):
         self.record(followers=2, steps=10, realizations=10)
-        forged = self.path("forged.bag")
-        with rosbag.Bag(self.bag) as source, rosbag.Bag(forged, "w") as target:
-            for topic, message, stamp in source.read_messages():
-                if topic == "/platoon/vehicle_2/position" and message.step == 7:
-                    message.position = tuple(value + 1e-12 for value in message.position)
-                target.write(topic, message, stamp)
+        forged = rewritten(self.bag, self.path("forged.bag"), forged_position("/platoon/vehicle_2/position", 7))
         terminal = self.launch("replay.launch", bag=forged, drive="vehicle_2", output="", unverified=True)
         terminal.wait()
         self.assertIn("vehicle_2 differs from the recording at step 7", terminal.text())
@@ -159,12 +153,7 @@ class Drive(BagTest):
 
 class Damaged(BagTest):
     def test_a_replay_of_a_changed_position_does_not_complete(self):
-        forged = self.path("forged.bag")
-        with rosbag.Bag(os.path.join(DATA, "small.bag")) as source, rosbag.Bag(forged, "w") as target:
-            for topic, message, time_ in source.read_messages():
-                if topic == "/platoon/vehicle_1/position" and message.step == 2:
-                    message.position = tuple(value + 1e-12 for value in message.position)
-                target.write(topic, message, time_)
+        forged = rewritten(os.path.join(DATA, "small.bag"), self.path("forged.bag"), forged_position("/platoon/vehicle_1/position", 2))
         for unverified, reason in ((False, "messages are not as they were recorded"),
                                    (True, "are not those of the positions beside them: the recording is damaged")):
             with self.subTest(unverified=unverified):

@@ -35,16 +35,30 @@ class BagTest(LaunchTest):
         self.assertGreaterEqual(counts["/platoon/error_statistics"], steps)
 
 
+def rewritten(source, target, change):
+    """Writes the messages of a bag to another one, each as often as change(topic, message) returns; it may change the message."""
+    with rosbag.Bag(source) as given, rosbag.Bag(target, "w") as written:
+        for topic, message, time in given.read_messages():
+            for _ in range(change(topic, message)):
+                written.write(topic, message, time)
+    return target
+
+
+def forged_position(topic, step):
+    """For rewritten(): the positions of a step are a picometre larger."""
+    def change(of_topic, message):
+        if of_topic == topic and message.step == step:
+            message.position = tuple(value + 1e-12 for value in message.position)
+        return 1
+
+    return change
+
+
 class SmallBagTest(FolderTest):
     SMALL = os.path.join(DATA, "small.bag")
 
     def altered(self, name, keep):
-        path = self.path(name)
-        with rosbag.Bag(self.SMALL) as source, rosbag.Bag(path, "w") as target:
-            for topic, message, time in source.read_messages():
-                for _ in range(keep(topic, message)):
-                    target.write(topic, message, time)
-        return path
+        return rewritten(self.SMALL, self.path(name), keep)
 
     def rejected(self, bag, *said, options=()):
         result = tool("bag_statistics", bag, *options)

@@ -19,10 +19,9 @@ import tempfile
 import time
 import unittest
 
-import rosbag
-
 import live_platoon
 from folder import FolderTest, temporary_folder
+from recording import rewritten
 from terminal import Terminal, start_master
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -156,13 +155,12 @@ class Replays(FolderTest):
         self.assertEqual(ended(terminal.text()), "right", terminal.text())
 
     def test_a_lost_answer_before_a_batch_of_a_later_recorded_attempt_costs_an_attempt_and_the_verdict_comes(self):
-        later = os.path.join(self.folder, "later.bag")
-        with rosbag.Bag(self.bag) as source, rosbag.Bag(later, "w") as changed:
-            for topic, message, stamp in source.read_messages():
-                if getattr(message, "first_realization", 0) >= RUN["batch"]:
-                    message.attempt += 1
-                if not topic.endswith("/checksum"):
-                    changed.write(topic, message, stamp)
+        def later_attempt(topic, message):
+            if getattr(message, "first_realization", 0) >= RUN["batch"]:
+                message.attempt += 1
+            return 0 if topic.endswith("/checksum") else 1
+
+        later = rewritten(self.bag, os.path.join(self.folder, "later.bag"), later_attempt)
         text = self.followers.replay(later, [os.path.join(HERE, "losing_follower.py"), "2"], unverified=True)
         self.assertEqual(ended(text), "right", text)
 
