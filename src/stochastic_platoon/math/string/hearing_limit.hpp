@@ -8,10 +8,10 @@
 namespace platoon {
 
 struct HearingLimit {
-  std::vector<double>
-      variances;  ///< of the tracking errors per place of the pattern [m^2]; 0 unless the gain is below 1
-  double loss_gain =
-      0.0;  ///< factor by which the variance that losses add grows from one round of the string to the next
+  /// Of the tracking errors per place of the pattern [m^2]; 0 unless the gain is below 1.
+  std::vector<double> variances;
+  /// Factor by which the variance that losses add grows from one round of the string to the next.
+  double loss_gain = 0.0;
 };
 
 /// The end of an endless string with a pattern of this length, whose companion matrices have a spectral radius below 1.

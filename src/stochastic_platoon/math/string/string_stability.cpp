@@ -35,14 +35,14 @@ JudgedGain judged_gain(const LinkedPattern& pattern) {
     const PatternGain::Peak peak = gain.peak();
     return {least.sign, peak.excess, peak.frequency};
   }
-  JudgedGain judged{least.sign, 0.0, 0.0, gain.is_one()};
+  JudgedGain judged{least.sign, 0.0, 0.0, least.sign == Sign::kZero && gain.is_one()};
   if (least.sign == Sign::kZero && !judged.is_one) judged.frequency = least.frequency;
   judged.grows_at_zero = least.sign == Sign::kAbove && pattern.grows_at_zero(gain);
   return judged;
 }
 
-/// Sets the peak, mean_bounded and, for a negative verdict, the reason. True if the gain is below 1 for all w > 0 and
-/// the variances of the noise stay bounded.
+/// Returns whether the gain is below 1 for all w > 0 and the variances of the noise stay bounded. Sets the peak,
+/// mean_bounded and, if it returns false, the reason.
 bool judge(const JudgedGain& gain, const PlatoonModel& model, StringStability& verdict) {
   const std::string name = gain_name(model);
   const std::string at = frequency_text(gain.frequency, model.sample_period);
@@ -84,7 +84,7 @@ bool judge_losses(double loss_gain, double doubt, const PlatoonModel& model, Str
   return false;
 }
 
-/// Judges a mean square stable string: of LinkedPattern, else of hearing_string.
+/// Judges a mean square stable string, by the theory of `pattern` or, without one, by that of hearing_string.
 void judge(const LinkedPattern* pattern, const PlatoonModel& model, StringStability& verdict) try {
   if (!judge(pattern != nullptr ? judged_gain(*pattern) : hearing_gain(model), model, verdict)) return;
   HearingLimit end;
