@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Compares gap, speed, acceleration, jerk, relative speed and collisions of analyze with independent computations for random platoons: mean and
-variance of every step with the responses of the whole string to each of its noises, stationary values and limits with the spectra at
-many frequencies in extended precision, and collisions with integrals over the density of one gap.
+"""Compares gap, speed, acceleration, jerk, relative speed and collisions of analyze with independent computations for random
+platoons: mean and variance of every step with the responses of the whole string to each of its noises, stationary values and limits
+with the spectra at many frequencies in extended precision, and collisions with integrals over the density of one gap.
 
 signal_theory_test.py [ANALYZE] [--models M] [--seed SEED]
 """

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Gap, speed, acceleration, jerk and relative speed: the same bits in every hosting, after kills, from shards and from a bag; agreement with the theory;
-replay of the worst realization."""
+"""Gap, speed, acceleration, jerk and relative speed: the same bits in every hosting, after kills, from shards and from a bag;
+agreement with the theory; replay of the worst realization."""
 
 import csv
 import json

@@ -107,7 +107,7 @@ class Surroundings(LaunchTest):
 
     def assert_closed(self, connections):
         """A caller whose connection stayed open, unanswered, would wait for ever."""
-        self.assertTrue(connections, "nobody connected")
+        self.assertTrue(connections, "no connection was opened")
         for connection in connections:
             with connection, contextlib.suppress(ConnectionResetError):
                 self.assertEqual(connection.recv(1), b"")

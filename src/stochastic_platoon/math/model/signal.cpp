@@ -51,7 +51,7 @@ void signal_values(const Signal& signal, const double* predecessor, const Signal
   values_of_order<false>(signal, predecessor, own, count, values);
 }
 
-// Of any terms.
+// The value of a signal with any terms.
 double value_of(const Signal& signal, Signal::Recent<double> ahead, Signal::Recent<double> own) {
   for (std::size_t j = 0; j < own.size(); ++j) ahead[j] -= own[j];
   const auto of_term = [](const Signal::Term& term, Signal::Recent<double>& y) {

@@ -8,7 +8,7 @@
 namespace platoon {
 
 struct HearingLimit {
-  /// Of the tracking errors per place of the pattern [m^2]; 0 unless the gain is below 1.
+  /// Variances of the tracking errors, one per place of the pattern [m^2]; 0 unless the gain is below 1.
   std::vector<double> variances;
   /// Factor by which the variance that losses add grows from one round of the string to the next.
   double loss_gain = 0.0;

@@ -102,11 +102,10 @@ double hearing_spectral_radius(const PlatoonModel& model) {
 double hearing_growth(const PlatoonModel& model) {
   require_theory(model);
   double largest = 0.0;
-  for (const VehicleModel& of : pattern(model)) {
-    for (const Input& input : of.inputs) {
-      if (input.link.loses()) largest = std::max(largest, second_moment_radius(*input.link.loss));
-    }
-  }
+  any_link(model, [&largest](const LinkModel& link) {
+    if (link.loses()) largest = std::max(largest, second_moment_radius(*link.loss));
+    return false;  // all links
+  });
   return largest;
 }
 

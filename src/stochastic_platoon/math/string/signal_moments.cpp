@@ -105,8 +105,9 @@ void add_linked_means(const PlatoonModel& model, const std::vector<std::vector<S
   responses.visit_means([&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& of) {
     for (std::size_t s = 0; s < moments.size(); ++s) {
       const Signal& signal = signals[i - 1][s];
-      const double apart =
-          signal.is_relative() && signal.apart.order == 0 ? vehicle(model, i).standstill_distance - signal.offset : 0.0;
+      const double apart = signal.is_relative() && signal.apart.order == 0
+                               ? signal.apart.factor * vehicle(model, i).standstill_distance - signal.offset
+                               : 0.0;
       const Sequence values = signal_values(signal, predecessor, of.own);
       for (std::size_t a = 1; a < values.size(); ++a)
         moments[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -113,13 +114,13 @@ void judge(const LinkedPattern* pattern, const PlatoonModel& model, StringStabil
 }  // namespace
 
 std::string gain_name(const PlatoonModel& model) {
-  const std::vector<VehicleModel> vehicles = pattern(model);
+  const std::size_t vehicles = type_order(model).size();
+  const VehicleModel& first = vehicle(model, 1);
   if (!hears_predecessors_only(model))
-    return farthest_ahead(model) == 1 && vehicles.size() == 1 ? "|T|"
-                                                              : "the spectral radius of the string's companion matrix";
-  if (vehicles.size() > 1) return "|T^| of one pattern";
-  if (vehicles.front().radio() != nullptr) return "|Gamma|";
-  return vehicles.front().position().link.is_white_noise_only() ? "|T|" : "|T^|";
+    return farthest_ahead(model) == 1 && vehicles == 1 ? "|T|" : "the spectral radius of the string's companion matrix";
+  if (vehicles > 1) return "|T^| of one pattern";
+  if (first.radio() != nullptr) return "|Gamma|";
+  return first.position().link.is_white_noise_only() ? "|T|" : "|T^|";
 }
 
 std::vector<double> gain_along_string(const PlatoonModel& model, const std::vector<double>& frequencies) {
