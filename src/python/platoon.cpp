@@ -13,6 +13,7 @@
 #include "python/interruption.hpp"
 #include "python/model.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"

@@ -9,6 +9,7 @@
 
 #include "python/convert.hpp"
 #include "python/interruption.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"

@@ -222,14 +222,9 @@ int configure_main(int argc, char** argv) {
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
     settings["output"] = absolute(settings["output"]);
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
-    platoon::Configuration configuration = platoon::parse_configuration(
-        bags.files.empty()
-            ? platoon::configuration_document(settings)
-            : platoon::configuration_document(platoon::configuration_to_repeat(bags), not_empty(settings)));
-    if (line["recorded_leader"] == "true") {
-      configuration.model.recorded_leader = platoon::recorded_leader(bags, configuration.run.steps);
-      configuration = platoon::parse_configuration(platoon::to_json(configuration).dump());
-    }
+    platoon::Configuration configuration =
+        bags.files.empty() ? platoon::parse_configuration(platoon::configuration_document(settings))
+                           : platoon::repeated(bags, not_empty(settings), line["recorded_leader"] == "true");
     require_range(line, static_cast<std::int64_t>(configuration.run.followers), false);
     require_free_namespace(line, configuration.run);
     require_free_recording(configuration.run);

@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "../unit/math/radio_cars.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
@@ -20,9 +21,9 @@ platoon::LoopDesign paper_design() {
 // The numerical example of the paper, h = 3.2.
 platoon::PlatoonModel paper_model() {
   const double headway = 3.2;
-  return {platoon::VehicleModel{
-              platoon::close_loop(paper_design(), headway), headway, 0.0, {{platoon::InputSignal::position, 0.6}}},
-          platoon::LeaderProfile({{0, 20.0}}, 0.1)};
+  platoon::VehicleModel vehicle(platoon::close_loop(paper_design(), headway), headway);
+  vehicle.position().noise_variance = 0.6;
+  return {vehicle, platoon::LeaderProfile({{0, 20.0}}, 0.1)};
 }
 
 void StringStability(benchmark::State& state) {

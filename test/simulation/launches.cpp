@@ -87,8 +87,7 @@ Configuration launched(const std::map<std::string, std::string>& settings) {
 }
 
 Configuration replayed(const std::vector<std::string>& bags, const std::string& output) {
-  return parse_configuration(
-      configuration_document(configuration_to_repeat({bags}), {{"output", output}, {"launch_id", output}}));
+  return repeated({bags}, {{"output", output}, {"launch_id", output}});
 }
 
 Configuration behind_recorded_leader(std::mt19937_64& random, const std::vector<std::string>& bags,
@@ -100,9 +99,7 @@ Configuration behind_recorded_leader(std::mt19937_64& random, const std::vector<
   }
   if (any(random, 0, 1) == 0) settings["realizations"] = std::to_string(any(random, 1, 24));
   if (any(random, 0, 1) == 0) settings["seed"] = std::to_string(any(random, 1, 3));
-  Configuration configuration = parse_configuration(configuration_document(configuration_to_repeat({bags}), settings));
-  configuration.model.recorded_leader = recorded_leader({bags}, configuration.run.steps);
-  return parse_configuration(to_json(configuration).dump());
+  return repeated({bags}, settings, true);
 }
 
 std::string description(const Configuration& configuration) {

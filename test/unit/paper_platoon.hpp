@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {
@@ -21,8 +22,9 @@ inline LoopDesign paper_design() {
 
 /// The paper's example: P_d = 0.6 m^2, a virtual leader at 20 m/s from step 0 on, every follower exactly in its place.
 inline PlatoonModel paper_platoon(double headway = 3.2) {
-  return {VehicleModel{paper_loop(headway), headway, 0.0, {{InputSignal::position, 0.6}}},
-          LeaderProfile({{0, 20.0}}, 0.1)};
+  VehicleModel vehicle(paper_loop(headway), headway);
+  vehicle.position().noise_variance = 0.6;
+  return {vehicle, LeaderProfile({{0, 20.0}}, 0.1)};
 }
 
 /// The same loop in other coordinates: no entry of A, B, C is zero or one.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "unit/math/model/fractions.hpp"
 #include "unit/paper_platoon.hpp"
@@ -87,7 +88,11 @@ inline std::vector<ExampleLoop> string_stable_loops() {
 
 inline PlatoonModel model_with(const ClosedLoop& loop, double headway) {
   const LeaderProfile leader({{0, 20.0}, {25, 5.0}, {40, 12.0}}, 0.1);
-  return {VehicleModel{loop, headway, 7.0, {{InputSignal::position, 0.6}}, {0.8, 0.3}}, leader};
+  VehicleModel vehicle(loop, headway);
+  vehicle.standstill_distance = 7.0;
+  vehicle.position().noise_variance = 0.6;
+  vehicle.initial_position = {0.8, 0.3};
+  return {vehicle, leader};
 }
 
 }  // namespace platoon

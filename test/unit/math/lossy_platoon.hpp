@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

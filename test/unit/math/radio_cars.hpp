@@ -1,5 +1,6 @@
 #pragma once
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {
@@ -9,7 +10,7 @@ inline PlatoonModel radio_platoon_of(LoopDesign design, double headway, double r
                                      std::int64_t radio_delay, double period) {
   design.headway_filter = true;
   design.sends_input = true;
-  VehicleModel vehicle{close_loop(design, headway), headway};
+  VehicleModel vehicle(close_loop(design, headway), headway);
   vehicle.design = design;
   vehicle.position().noise_variance = radar;
   vehicle.inputs.push_back({InputSignal::input, radio});

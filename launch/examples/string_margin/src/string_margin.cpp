@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"

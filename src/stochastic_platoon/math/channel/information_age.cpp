@@ -5,7 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/channel/packet_loss.hpp"
+#include "stochastic_platoon/math/channel/link_stage.hpp"
+#include "stochastic_platoon/math/model/loss_chain.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
 
@@ -117,16 +119,16 @@ std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed,
   if (loss.by_distance) throw std::invalid_argument("ages of a link: losses by the distance depend on the run");
   LossModel holding = loss;
   holding.predictor = {1.0};
-  PacketLoss link(holding, seed, receiver);
+  const std::unique_ptr<LinkStage> link = packet_loss(holding, seed, receiver);
   std::vector<std::uint64_t> counts(1);
   for (std::uint64_t first = 0; first < realizations; first += kTile) {
     const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(kTile, realizations - first));
     std::vector<double> latest(size, -1.0);
-    link.start(first, size, latest.data(), 0.0);
+    link->start(first, size, latest.data(), 0.0);
     for (std::int64_t k = 0; k < steps; ++k) {
       const auto now = static_cast<double>(k);
       std::fill(latest.begin(), latest.end(), now);
-      link.step(k, first, size, latest.data());
+      link->step(k, first, size, latest.data());
       for (const double arrival : latest) {
         const auto age = static_cast<std::size_t>(now - arrival);
         if (age >= counts.size()) counts.resize(age + 1);

@@ -5,11 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "stochastic_platoon/math/channel/coloured_noise.hpp"
-#include "stochastic_platoon/math/channel/delay_line.hpp"
-#include "stochastic_platoon/math/channel/packet_loss.hpp"
-#include "stochastic_platoon/math/channel/quantiser.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 namespace platoon {
 
@@ -18,14 +15,14 @@ namespace {
 // The only place that defines the order of the stages.
 std::vector<std::unique_ptr<LinkStage>> stages_of(const Input& input, const WhiteNoise& noise, std::uint32_t stream,
                                                   std::uint32_t loss_stream) {
-  const LinkModel& link = input.link;
   std::vector<std::unique_ptr<LinkStage>> stages;
-  if (link.quantisation_step > 0.0)
-    stages.push_back(std::make_unique<Quantiser>(link.quantisation_step, noise, stream));
-  if (input.noise_variance > 0.0)
-    stages.push_back(std::make_unique<ColouredNoise>(input.noise_variance, link.noise_filter, noise, stream));
-  if (input.delay() > 0) stages.push_back(std::make_unique<DelayLine>(input.delay()));
-  if (link.loses()) stages.push_back(std::make_unique<PacketLoss>(*link.loss, noise, loss_stream));
+  const auto add = [&stages](std::unique_ptr<LinkStage> stage) {
+    if (stage != nullptr) stages.push_back(std::move(stage));
+  };
+  add(quantiser(input, noise, stream));
+  add(coloured_noise(input, noise, stream));
+  add(delay_line(input));
+  if (input.link.loses()) add(packet_loss(*input.link.loss, noise, loss_stream));
   return stages;
 }
 

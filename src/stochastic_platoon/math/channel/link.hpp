@@ -7,7 +7,6 @@
 
 #include "stochastic_platoon/math/channel/awgn_channel.hpp"
 #include "stochastic_platoon/math/channel/link_stage.hpp"
-#include "stochastic_platoon/math/model/link_model.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {

@@ -1,9 +1,14 @@
-#include "stochastic_platoon/math/channel/packet_loss.hpp"
-
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "stochastic_platoon/math/channel/link_stage.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
+#include "stochastic_platoon/math/model/loss_chain.hpp"
+#include "stochastic_platoon/math/numerics/aligned_values.hpp"
 #include "stochastic_platoon/math/numerics/multiples.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
@@ -42,98 +47,136 @@ void lose_as_recorded(const LossTrace& trace, const double* predicted, std::size
   }
 }
 
+/// Draws the modes of a LossChain.
+class ModeChances {
+public:
+  explicit ModeChances(const LossChain& chain) : arrived_(static_cast<std::size_t>(chain.arrived())) {
+    const auto shares = [&chain](const Eigen::VectorXd& probabilities) {
+      std::vector<Share> result;
+      double sum = 0.0;
+      for (Eigen::Index i = 0; i < chain.modes(); ++i) {
+        const Eigen::Index mode = i < chain.lost() ? chain.arrived() + i : i - chain.lost();
+        sum += probabilities(mode);
+        if (probabilities(mode) > 0.0) result.push_back({sum, static_cast<std::uint8_t>(mode)});
+      }
+      result.back().upto = 1.0;
+      return result;
+    };
+    for (Eigen::Index mode = 0; mode < chain.modes(); ++mode)
+      modes_.push_back(shares(chain.transition().row(mode).transpose()));
+    modes_.push_back(shares(chain.stationary()));
+  }
+
+  /// The mode that follows one, or begins the chain, for a uniform draw: the lost modes share the draws below the
+  /// probability of a loss.
+  std::uint8_t after(std::size_t mode, double uniform) const {
+    const std::vector<Share>& shares = modes_[mode];
+    auto found = shares.begin();
+    while (!(uniform < found->upto) && found + 1 != shares.end()) ++found;
+    return found->mode;
+  }
+  std::uint8_t first(double uniform) const { return after(modes_.size() - 1, uniform); }
+  bool is_lost(std::uint8_t mode) const { return mode >= arrived_; }
+
+private:
+  struct Share {
+    double upto;  ///< of a uniform draw
+    std::uint8_t mode;
+  };
+  std::vector<std::vector<Share>> modes_;  ///< behind each mode, and at last the stationary ones
+  std::size_t arrived_;
+};
+
+class PacketLoss : public LinkStage {
+public:
+  PacketLoss(const LossModel& loss, const WhiteNoise& noise, std::uint32_t stream)
+      : loss_(loss), draws_(noise), stream_(stream), used_(loss.predictor.size()) {
+    if (!(loss.probability >= 0.0 && loss.probability < 1.0))
+      throw std::invalid_argument("loss probability: " + std::to_string(loss.probability) +
+                                  ": must be from 0 to below 1");
+    if (loss.markov) modes_.emplace(LossChain(loss));
+  }
+
+  bool keeps_state() const override { return true; }
+
+  void start(std::uint64_t first_realization, std::size_t count, double* positions, double slope) override {
+    for (std::size_t j = 0; j < used_.size(); ++j) {
+      used_[j].assign(positions, positions + count);
+      if (slope == 0.0) continue;
+      for (double& position : used_[j]) position -= slope * static_cast<double>(j);
+    }
+    chance_.assign(count, loss_.probability);
+    newest_ = 0;
+    mode_.assign(modes_ ? count : 0, 0);
+    if (!loss_.trace) return;
+    const auto entries = static_cast<double>(loss_.trace->size());
+    draws_.fill_uniform({stream_, -1, Purpose::loss}, first_realization, count, chance_.data());
+    entry_.resize(count);
+    for (std::size_t r = 0; r < count; ++r) entry_[r] = static_cast<std::uint32_t>(entries * chance_[r]);
+  }
+
+  bool depends_on_gap() const override { return loss_.by_distance.has_value(); }
+
+  void see_gaps(std::size_t count, const double* gaps) override {
+    loss_.by_distance->probabilities(gaps, count, chance_.data());
+  }
+
+  void step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) override {
+    std::array<double, kTile> uniforms, predicted;
+    const std::size_t n = used_.size(), oldest = n > 0 ? (newest_ + n - 1) % n : 0;
+    for (std::size_t r = 0; r < count; r += kTile) {
+      const std::size_t size = std::min(kTile, count - r);
+      if (!loss_.trace)
+        draws_.fill_uniform({stream_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
+      const double* guess = predicted.data();
+      if (n == 0) {
+        predicted.fill(0.0);
+      } else if (n == 1) {
+        guess = &used_[0][r];  // a single coefficient is 1: hold
+      } else {
+        set_multiple(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
+        for (std::size_t j = 1; j < n; ++j)
+          add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
+      }
+      if (loss_.trace) {
+        lose_as_recorded(*loss_.trace, guess, size, &entry_[r], positions + r);
+      } else if (modes_) {
+        lose_by_modes(step, uniforms.data(), guess, size, &mode_[r], positions + r);
+      } else if (loss_.mean_burst || loss_.by_distance) {
+        detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r],
+                     positions + r);
+      } else {
+        detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);
+      }
+      if (n > 0) std::copy_n(positions + r, size, &used_[oldest][r]);
+    }
+    newest_ = oldest;
+  }
+
+private:
+  void lose_by_modes(std::int64_t step, const double* uniforms, const double* predicted, std::size_t size,
+                     std::uint8_t* mode, double* positions) const {
+    for (std::size_t r = 0; r < size; ++r) {
+      mode[r] = step > 0 ? modes_->after(mode[r], uniforms[r]) : modes_->first(uniforms[r]);
+      if (modes_->is_lost(mode[r])) positions[r] = predicted[r];
+    }
+  }
+
+  LossModel loss_;
+  WhiteNoise draws_;
+  std::uint32_t stream_;
+  std::vector<AlignedValues> used_;  ///< ring of r(k-1), r(k-2), ... from newest_ on, per realization
+  std::size_t newest_ = 0;
+  AlignedValues chance_;              ///< probability of a loss at the next step, per realization
+  std::optional<ModeChances> modes_;  ///< of losses by the states of a chain
+  std::vector<std::uint8_t> mode_;    ///< of the chain at the latest step, per realization
+  std::vector<std::uint32_t> entry_;  ///< of the trace at the next step, per realization
+};
+
 }  // namespace
 
-ModeChances::ModeChances(const LossChain& chain) : arrived_(static_cast<std::size_t>(chain.arrived())) {
-  const auto shares = [&chain](const Eigen::VectorXd& probabilities) {
-    std::vector<Share> result;
-    double sum = 0.0;
-    for (Eigen::Index i = 0; i < chain.modes(); ++i) {
-      const Eigen::Index mode = i < chain.lost() ? chain.arrived() + i : i - chain.lost();
-      sum += probabilities(mode);
-      if (probabilities(mode) > 0.0) result.push_back({sum, static_cast<std::uint8_t>(mode)});
-    }
-    result.back().upto = 1.0;
-    return result;
-  };
-  for (Eigen::Index mode = 0; mode < chain.modes(); ++mode)
-    modes_.push_back(shares(chain.transition().row(mode).transpose()));
-  modes_.push_back(shares(chain.stationary()));
-}
-
-std::uint8_t ModeChances::after(std::size_t mode, double uniform) const {
-  const std::vector<Share>& shares = modes_[mode];
-  auto found = shares.begin();
-  while (!(uniform < found->upto) && found + 1 != shares.end()) ++found;
-  return found->mode;
-}
-
-PacketLoss::PacketLoss(const LossModel& loss, const WhiteNoise& noise, std::uint32_t receiver)
-    : loss_(loss), draws_(noise), receiver_(receiver), used_(loss.predictor.size()) {
-  if (!(loss.probability >= 0.0 && loss.probability < 1.0)) {
-    throw std::invalid_argument("loss probability: " + std::to_string(loss.probability) +
-                                ": must be from 0 to below 1");
-  }
-  if (loss.markov) modes_.emplace(LossChain(loss));
-}
-
-void PacketLoss::start(std::uint64_t first_realization, std::size_t count, double* positions, double slope) {
-  for (std::size_t j = 0; j < used_.size(); ++j) {
-    used_[j].assign(positions, positions + count);
-    if (slope == 0.0) continue;
-    for (double& position : used_[j]) position -= slope * static_cast<double>(j);
-  }
-  chance_.assign(count, loss_.probability);
-  newest_ = 0;
-  mode_.assign(modes_ ? count : 0, 0);
-  if (!loss_.trace) return;
-  const auto entries = static_cast<double>(loss_.trace->size());
-  draws_.fill_uniform({receiver_, -1, Purpose::loss}, first_realization, count, chance_.data());
-  entry_.resize(count);
-  for (std::size_t r = 0; r < count; ++r) entry_[r] = static_cast<std::uint32_t>(entries * chance_[r]);
-}
-
-void PacketLoss::see_gaps(std::size_t count, const double* gaps) {
-  loss_.by_distance->probabilities(gaps, count, chance_.data());
-}
-
-void PacketLoss::step(std::int64_t step, std::uint64_t first_realization, std::size_t count, double* positions) {
-  std::array<double, kTile> uniforms, predicted;
-  const std::size_t n = used_.size(), oldest = n > 0 ? (newest_ + n - 1) % n : 0;
-  for (std::size_t r = 0; r < count; r += kTile) {
-    const std::size_t size = std::min(kTile, count - r);
-    if (!loss_.trace)
-      draws_.fill_uniform({receiver_, step, Purpose::loss}, first_realization + r, size, uniforms.data());
-    const double* guess = predicted.data();
-    if (n == 0) {
-      predicted.fill(0.0);
-    } else if (n == 1) {
-      guess = &used_[0][r];  // a single coefficient is 1: hold
-    } else {
-      set_multiple(loss_.predictor[0], &used_[newest_][r], size, predicted.data());
-      for (std::size_t j = 1; j < n; ++j)
-        add_multiple(loss_.predictor[j], &used_[(newest_ + j) % n][r], size, predicted.data());
-    }
-    if (loss_.trace) {
-      lose_as_recorded(*loss_.trace, guess, size, &entry_[r], positions + r);
-    } else if (modes_) {
-      lose_by_modes(step, uniforms.data(), guess, size, &mode_[r], positions + r);
-    } else if (loss_.mean_burst || loss_.by_distance) {
-      detail::lose(uniforms.data(), guess, loss_.after_loss(), loss_.after_arrival(), size, &chance_[r], positions + r);
-    } else {
-      detail::lose_independently(uniforms.data(), guess, loss_.probability, size, positions + r);
-    }
-    if (n > 0) std::copy_n(positions + r, size, &used_[oldest][r]);
-  }
-  newest_ = oldest;
-}
-
-void PacketLoss::lose_by_modes(std::int64_t step, const double* uniforms, const double* predicted, std::size_t size,
-                               std::uint8_t* mode, double* positions) const {
-  for (std::size_t r = 0; r < size; ++r) {
-    mode[r] = step > 0 ? modes_->after(mode[r], uniforms[r]) : modes_->first(uniforms[r]);
-    if (modes_->is_lost(mode[r])) positions[r] = predicted[r];
-  }
+std::unique_ptr<LinkStage> packet_loss(const LossModel& loss, const WhiteNoise& noise, std::uint32_t stream) {
+  return std::make_unique<PacketLoss>(loss, noise, stream);
 }
 
 }  // namespace platoon

@@ -11,6 +11,7 @@
 #include "stochastic_platoon/math/links/leader_motion.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 
 namespace platoon {

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 #include <algorithm>
 #include <map>

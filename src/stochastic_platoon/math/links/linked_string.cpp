@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/math/links/loss_operator.hpp"
 #include "stochastic_platoon/math/links/settled_spectra.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"

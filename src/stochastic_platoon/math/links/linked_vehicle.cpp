@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
 
 namespace platoon {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/model/link_model.hpp"
 #include "stochastic_platoon/math/numerics/exact_resolvent.hpp"
 #include "stochastic_platoon/math/numerics/resolvent_terms.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/math/links/loss_operator.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/loss_operator.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/krylov.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"

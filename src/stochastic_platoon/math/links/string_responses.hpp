@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/response/vehicle_response.hpp"
 

@@ -4,6 +4,7 @@
 #include <complex>
 #include <utility>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/exp_minus_one.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"

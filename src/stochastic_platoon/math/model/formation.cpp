@@ -1,4 +1,5 @@
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 namespace platoon {
 

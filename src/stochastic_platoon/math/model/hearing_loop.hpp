@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
 

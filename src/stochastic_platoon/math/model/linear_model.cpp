@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 
 namespace platoon {
@@ -31,10 +32,8 @@ PlatoonModel in_moving_frame(PlatoonModel model) {
 
 double steady_value(const PlatoonModel& model, const Signal& signal, std::size_t follower) {
   const VehicleModel& own = vehicle(model, follower);
-  const bool is_distance = signal.is_relative() && signal.apart.order == 0;
   const double lag = own.headway + static_cast<double>(own.position().link.delay);
-  const double behind = is_distance ? signal.apart.factor * lag : 0.0;
-  return start_slope(model) * (behind + (signal.own.order == 1 ? signal.own.factor : 0.0));
+  return start_slope(model) * (signal.of_distance() * lag + (signal.own.order == 1 ? signal.own.factor : 0.0));
 }
 
 }  // namespace platoon

@@ -6,6 +6,7 @@
 #include <unsupported/Eigen/KroneckerProduct>
 #include <vector>
 
+#include "stochastic_platoon/math/model/link_model.hpp"
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
 #include "stochastic_platoon/math/numerics/selected.hpp"
 

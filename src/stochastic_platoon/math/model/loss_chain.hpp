@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 
-#include "stochastic_platoon/math/model/link_model.hpp"
-
 namespace platoon {
+
+struct LossModel;
 
 /// A_c: the registers r(k-1), r(k-2), ... of a predictor one step later, after an arrival (without the arrived value)
 /// or after a loss.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -140,6 +141,10 @@ bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t foll
     }
   }
   return false;
+}
+
+bool loses(const PlatoonModel& model) {
+  return any_link(model, [](const LinkModel& link) { return link.loses(); });
 }
 
 bool depends_on_gap(const PlatoonModel& model) {

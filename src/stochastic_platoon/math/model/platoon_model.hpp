@@ -103,7 +103,8 @@ bool has_radios(const PlatoonModel& model);
 /// Whether vehicle `sender`, 0 .. followers - 1, has a follower that receives its input, directly ahead or not.
 bool sends_input(const PlatoonModel& model, std::size_t sender, std::size_t followers);
 
-/// Whether the losses of a link of the string depend on the gap.
+/// Whether a link of the string loses messages; whether one does so by the gap.
+bool loses(const PlatoonModel& model);
 bool depends_on_gap(const PlatoonModel& model);
 
 /// Whether all errors are normal, which losses, quantisation and limits prevent.

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 #include <algorithm>
 #include <set>
@@ -75,8 +76,7 @@ double Signal::operator()(const Recent<double>& ahead, const Recent<double>& own
 
 void Signal::operator()(const Recent<const double*>& ahead, const Recent<const double*>& own, std::size_t count,
                         double* values) const {
-  if (!is_relative() || (apart.factor == 1.0 && apart.order == 0))
-    return detail::signal_values(*this, ahead[0], own, count, values);
+  if (!is_relative() || of_distance() == 1.0) return detail::signal_values(*this, ahead[0], own, count, values);
   const auto at = [](const Recent<const double*>& y, std::size_t r, int order) {
     Recent<double> recent{};
     for (std::size_t j = 0; j <= static_cast<std::size_t>(order); ++j) recent[j] = y[j][r];

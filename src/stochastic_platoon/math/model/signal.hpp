@@ -11,6 +11,8 @@
 
 namespace platoon {
 
+enum class InputSignal;
+
 /// A position `steps` steps before step -1, where it is `first` and grows by `slope` per step (start_slope()) [m].
 inline double position_before(double first, std::size_t steps, double slope) {
   return steps == 0 || slope == 0.0 ? first : first - static_cast<double>(steps) * slope;
@@ -29,7 +31,7 @@ struct Signal {
     int order = 0;
   };
   Term apart;             ///< factor 0: no such term
-  double offset = 0.0;    ///< [m], beside a term of the distance
+  double offset = 0.0;    ///< [m]; 0 without a term of the distance
   Term own = {};          ///< order 0: no such term
   bool is_input = false;  ///< the control input; all other members are 0
 
@@ -37,6 +39,9 @@ struct Signal {
 
   /// Whether the signal has a term of the distance.
   bool is_relative() const { return apart.factor != 0.0; }
+
+  /// The factor of the distance x_i itself; 0 for its differences.
+  double of_distance() const { return apart.order == 0 ? apart.factor : 0.0; }
 
   /// The number of earlier positions that it needs.
   int order() const { return std::max(apart.order, own.order); }
@@ -68,12 +73,7 @@ struct SignalPositions {
   std::vector<double> of(const Signal& signal) const;
 };
 
-/// Whether an input carries differences of positions, which the sender of the positions need not form.
-inline bool is_difference(InputSignal signal) {
-  return signal == InputSignal::speed || signal == InputSignal::acceleration;
-}
-
-/// What such an input carries: D y / T_s [m/s] or D^2 y / T_s^2 [m/s^2].
+/// What an input with is_difference() carries: D y / T_s [m/s] or D^2 y / T_s^2 [m/s^2].
 Signal difference(InputSignal signal, double sample_period);
 
 /// The tracking error [m] of follower i >= 1, paper eq. (error1), including its distance delta:

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/limited_vehicle.hpp"
 #include "stochastic_platoon/math/numerics/multiples.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
@@ -33,7 +34,8 @@ FollowerVehicle::FollowerVehicle(const PlatoonModel& model, const WhiteNoise& no
   offset_ = spacing * own.standstill_distance;
   if (own.radio() != nullptr) feed_forward_gain_ = own.radio()->gain;
   if (own.hears_predecessor_only()) return;
-  sums_ = Sums{own.inputs, own_speed_gain(own, period), own.own_acceleration / (period * period)};
+  sums_ = Sums{{}, own_speed_gain(own, period), own.own_acceleration / (period * period)};
+  for (const Input& input : own.inputs) sums_->shares.push_back({input.signal == InputSignal::position, input.gain});
   feed_forward_gain_ = 1.0;
 }
 
@@ -67,11 +69,10 @@ void FollowerVehicle::sum(const Received& received) {
   const std::size_t count = sums_->position.size();
   bool has_position = false, has_other = false;
   for (std::size_t n = 0; n < received.size(); ++n) {
-    const Input& input = sums_->inputs[n];
-    const bool is_position = input.signal == InputSignal::position;
-    bool& has = is_position ? has_position : has_other;
-    AlignedValues& sum = is_position ? sums_->position : sums_->forward;
-    (has ? add_multiple : set_multiple)(input.gain, received[n], count, sum.data());
+    const Sums::Share& share = sums_->shares[n];
+    bool& has = share.is_position ? has_position : has_other;
+    AlignedValues& sum = share.is_position ? sums_->position : sums_->forward;
+    (has ? add_multiple : set_multiple)(share.gain, received[n], count, sum.data());
     has = true;
   }
   if (!has_other) std::fill(sums_->forward.begin(), sums_->forward.end(), 0.0);

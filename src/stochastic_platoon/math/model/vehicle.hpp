@@ -38,7 +38,11 @@ public:
 private:
   /// The sums over the inputs of a vehicle that hears others than its predecessor.
   struct Sums {
-    std::vector<Input> inputs;
+    struct Share {
+      bool is_position;
+      double gain;
+    };
+    std::vector<Share> shares;           ///< of each input, in the sum of the positions or in the other one
     double own_speed, own_acceleration;  ///< gains of D y [1/s^2] and D^2 y [1/s^2]
     RecentPositions own = {};
     AlignedValues position = {}, forward = {};  ///< of the positions, and of all other signals

@@ -1,30 +1,18 @@
 #include "stochastic_platoon/math/model/vehicle_model.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "stochastic_platoon/math/model/input.hpp"
 
 namespace platoon {
 
-const char* name_of(InputSignal signal) {
-  switch (signal) {
-    case InputSignal::position:
-      return "position";
-    case InputSignal::speed:
-      return "speed";
-    case InputSignal::acceleration:
-      return "acceleration";
-    default:
-      return "input";
-  }
-}
-
-bool operator==(const Input& one, const Input& other) {
-  return one.signal == other.signal && one.gain == other.gain && one.noise_variance == other.noise_variance &&
-         one.link == other.link && one.ahead == other.ahead && one.packet == other.packet;
-}
-
-std::size_t source_of(const Input& input, std::size_t follower) {
-  return input.ahead == Input::kLeader || input.ahead > follower ? 0 : follower - input.ahead;
-}
+VehicleModel::VehicleModel(ClosedLoop of, double steps) : loop(std::move(of)), headway(steps), inputs(1) {}
+VehicleModel::VehicleModel(const VehicleModel&) = default;
+VehicleModel::VehicleModel(VehicleModel&&) noexcept = default;
+VehicleModel& VehicleModel::operator=(const VehicleModel&) = default;
+VehicleModel& VehicleModel::operator=(VehicleModel&&) noexcept = default;
+VehicleModel::~VehicleModel() = default;
 
 bool VehicleModel::hears_predecessor_only() const {
   const auto is_plain = [](const Input& input) { return input.ahead == 1 && input.packet.empty(); };
@@ -40,6 +28,10 @@ const Input& VehicleModel::position() const {
   return inputs.front();
 }
 
+const Input* VehicleModel::radio() const {
+  return inputs.size() > 1 ? &inputs.back() : nullptr;
+}
+
 std::vector<std::size_t> VehicleModel::varied_inputs() const {
   std::size_t last = inputs.size() - 1;
   if (!hears_predecessor_only()) {
@@ -51,6 +43,14 @@ std::vector<std::size_t> VehicleModel::varied_inputs() const {
     if (losses_of(n) == losses_of(last)) found.push_back(n);
   }
   return found;
+}
+
+const LinkModel& VehicleModel::varied_link() const {
+  return inputs[varied_inputs().front()].link;
+}
+
+void VehicleModel::vary(const std::function<void(LinkModel&)>& change) {
+  for (const std::size_t n : varied_inputs()) change(inputs[n].link);
 }
 
 std::size_t VehicleModel::losses_of(std::size_t n) const {

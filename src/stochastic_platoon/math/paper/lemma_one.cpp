@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/eigenvalues.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/model/link_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/math/response/vehicle_response.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 #include <cmath>
 #include <utility>

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 #include <algorithm>
 

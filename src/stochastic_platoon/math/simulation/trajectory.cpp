@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"

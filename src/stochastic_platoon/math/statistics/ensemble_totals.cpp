@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "stochastic_platoon/math/model/signal.hpp"
+
 namespace platoon {
 
 std::size_t SignalCells::at(std::size_t kind, std::size_t follower, std::int64_t step) const {

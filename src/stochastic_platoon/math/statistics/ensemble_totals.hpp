@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/statistics/batch_moments.hpp"
 #include "stochastic_platoon/math/statistics/limit_table.hpp"
 #include "stochastic_platoon/math/statistics/moment_table.hpp"
@@ -14,6 +13,10 @@
 #include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
 
 namespace platoon {
+
+struct FollowerSignals;
+struct PlatoonModel;
+struct SignalPositions;
 
 /// Index of zeta_i(k) in tables over followers and steps: row i - 1, column k. i >= 1, 0 <= k < steps.
 inline std::size_t cell(std::size_t follower, std::int64_t step, std::int64_t steps) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 
 namespace platoon {

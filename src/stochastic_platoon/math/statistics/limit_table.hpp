@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/model/vehicle_limits.hpp"
 
 namespace platoon {
+
+struct PlatoonModel;
+struct SignalPositions;
 
 /// How often a follower was at its limits: the input at the lower and at the upper one, then the speed.
 using AtLimits = std::array<std::uint64_t, 4>;

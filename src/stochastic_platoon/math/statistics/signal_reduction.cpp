@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/statistics/dyadic_range.hpp"
 #include "stochastic_platoon/math/statistics/lane_tree.hpp"
 #include "stochastic_platoon/math/statistics/smallest_gaps.hpp"
@@ -151,12 +152,11 @@ constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 // Whether a lane of the kernel computes the signal: the gap, or a difference of own positions.
 bool has_lane(const Signal& signal) {
-  if (signal.own.order > 0) return !signal.is_relative();
-  return signal.apart.factor == 1.0 && signal.apart.order == 0;
+  return signal.own.order > 0 ? !signal.is_relative() : signal.of_distance() == 1.0;
 }
 
 bool is_tracking_error(const Signal& signal) {
-  return signal.apart.factor == 1.0 && signal.apart.order == 0 && signal.own.order == 1;
+  return signal.of_distance() == 1.0 && signal.own.order == 1;
 }
 
 void form(const Signal& signal, const SignalPositions& positions, std::size_t offset, std::size_t count,

@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/statistics/batch_moments.hpp"
 
 namespace platoon {
+
+struct FollowerSignals;
+struct Signal;
+struct SignalPositions;
 
 /// Forms a signal of one follower at one step of a batch and reduces it, with the bits of reduce_batch(). The tracking
 /// error is formed and reduced in one pass, four quarters of the realizations side by side.

@@ -7,6 +7,8 @@
 #include <string>
 #include <tuple>
 
+#include "stochastic_platoon/math/model/input.hpp"
+#include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/vector_clones.hpp"
 #include "stochastic_platoon/math/statistics/lane_tree.hpp"

@@ -7,10 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/aligned_values.hpp"
 
 namespace platoon {
+
+struct PlatoonModel;
 
 /// Settings for the counting of smallest gaps.
 struct GapCounting {

@@ -54,9 +54,9 @@ std::optional<std::string> beside_limit(const StringStability& stability, const 
 }  // namespace
 
 std::size_t settled_followers(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
-  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
-  if (loses && !model.recorded_leader.empty()) return 0;
-  const std::int64_t changed = loses && !model.leader.changes().empty() ? model.leader.changes().back().from_step : 0;
+  const bool lossy = loses(model);
+  if (lossy && !model.recorded_leader.empty()) return 0;
+  const std::int64_t changed = lossy && !model.leader.changes().empty() ? model.leader.changes().back().from_step : 0;
   const SettlingTime time(model);
   std::size_t settled = 0, other = followers + 1;
   while (other - settled > 1) {

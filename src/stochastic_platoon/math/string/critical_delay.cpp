@@ -106,7 +106,7 @@ CriticalDelay critical_delay(const PlatoonModel& model) {
   if (!is_homogeneous(model)) return none("the string has several types of vehicles");
   if (!own.design || std::none_of(own.inputs.begin(), own.inputs.end(), is_heard)) return none("there is no radio");
   if (farthest_ahead(model) > 1) return none("a vehicle farther ahead than the predecessor is heard");
-  if (any_link(model, [](const LinkModel& link) { return link.loses(); })) return none("a link loses messages");
+  if (loses(model)) return none("a link loses messages");
   const VariedMargins margins = varied_margins(
       [&model](double delay) {
         PlatoonModel delayed = model;

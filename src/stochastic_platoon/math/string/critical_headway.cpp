@@ -29,10 +29,9 @@ std::vector<double> samples_of(const HeadwayRange& range) {
 /// Whether every longer headway of a stable one is stable: without losses, the headway enters |prod T^| only by the
 /// filters 1 / |H|, which fall at every frequency as it grows, and the poles of their loops do not depend on it.
 bool is_monotone(const PlatoonModel& model) {
-  return !any_link(model, [](const LinkModel& link) { return link.loses(); }) &&
-         std::all_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
-           return !type.inherited.headway || type.vehicle.design->headway_filter;
-         });
+  return !loses(model) && std::all_of(model.types.begin(), model.types.end(), [](const VehicleType& type) {
+    return !type.inherited.headway || type.vehicle.design->headway_filter;
+  });
 }
 
 }  // namespace

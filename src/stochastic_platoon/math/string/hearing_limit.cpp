@@ -193,7 +193,7 @@ HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t perio
   return string.walk_behind(string.in_front(string.of_noise()));
 }
 
-HearingLimit hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {
+StringEnd hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {
   const EndlessString string(spectra, period);
   const LossRound round(string);
   if (!loses) return {round.variances(round.noise()), 0.0};

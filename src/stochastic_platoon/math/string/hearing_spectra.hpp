@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/links/loss_scatter.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 

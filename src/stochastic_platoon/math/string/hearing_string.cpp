@@ -118,12 +118,11 @@ JudgedGain hearing_gain(const PlatoonModel& model) {
           std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0, at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
 }
 
-HearingLimit hearing_limit(const PlatoonModel& model) try {
-  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
+StringEnd hearing_limit(const PlatoonModel& model) try {
   const std::size_t period = type_order(model).size();
-  HearingLimit limit;
-  limit.variances = settled_hearing(model, [period, loses](const HearingSpectra& spectra) {
-    HearingLimit found = hearing_limit(spectra, period, loses);
+  StringEnd limit;
+  limit.variances = settled_hearing(model, [&model, period](const HearingSpectra& spectra) {
+    StringEnd found = hearing_limit(spectra, period, loses(model));
     found.variances.push_back(found.loss_gain);
     return found.variances;
   });
@@ -144,7 +143,7 @@ double hearing_gain_margin(const PlatoonModel& model) {
 
 double hearing_loss_margin(const PlatoonModel& model) {
   require_theory(model);
-  if (!any_link(model, [](const LinkModel& link) { return link.loses(); })) return 1.0;
+  if (!loses(model)) return 1.0;
   const std::size_t period = type_order(model).size();
   // A variance shows a narrow peak of the string's gain. The sign of the margin is known before its value.
   constexpr double kResolved = 1e-4, kCertain = 0.05;

@@ -31,7 +31,7 @@ JudgedGain hearing_gain(const PlatoonModel& model);
 
 /// The end of an endless string whose gain is below 1. Without variances so near to the border of stability that only
 /// the side of 1 of the loss gain is known.
-HearingLimit hearing_limit(const PlatoonModel& model);
+StringEnd hearing_limit(const PlatoonModel& model);
 
 /// Positive exactly if the string is string stable without what losses add.
 double hearing_gain_margin(const PlatoonModel& model);

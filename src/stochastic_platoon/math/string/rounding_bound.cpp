@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
 
 namespace platoon {

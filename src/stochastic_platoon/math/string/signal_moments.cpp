@@ -105,9 +105,7 @@ void add_linked_means(const PlatoonModel& model, const std::vector<std::vector<S
   responses.visit_means([&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& of) {
     for (std::size_t s = 0; s < moments.size(); ++s) {
       const Signal& signal = signals[i - 1][s];
-      const double apart = signal.is_relative() && signal.apart.order == 0
-                               ? signal.apart.factor * vehicle(model, i).standstill_distance - signal.offset
-                               : 0.0;
+      const double apart = signal.of_distance() * vehicle(model, i).standstill_distance - signal.offset;
       const Sequence values = signal_values(signal, predecessor, of.own);
       for (std::size_t a = 1; a < values.size(); ++a)
         moments[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));
@@ -184,8 +182,7 @@ std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::
 
 SignalMoments hearing_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   require_size(followers, steps);
-  if (any_link(model, [](const LinkModel& link) { return link.loses(); }))
-    throw std::invalid_argument("links: lose: must not lose for the moments of every step");
+  if (loses(model)) throw std::invalid_argument("links: lose: must not lose for the moments of every step");
   return tables(model, {}, followers, static_cast<std::size_t>(steps)).front();
 }
 

@@ -53,8 +53,8 @@ StationaryMoments stationary_moments(const PlatoonModel& model, const std::vecto
     const Signal& signal = signals[i][index];
     const VehicleModel& own = vehicle(model, first + i);
     double mean = signal.own.order == 1 ? signal.own.factor * speed : 0.0;
-    if (signal.is_relative() && signal.apart.order == 0)
-      mean += signal.apart.factor * (own.standstill_distance + own.headway * speed + errors[i]) - signal.offset;
+    if (signal.of_distance() != 0.0)
+      mean += signal.of_distance() * (own.standstill_distance + own.headway * speed + errors[i]) - signal.offset;
     moments.mean.push_back(mean);
     const std::size_t at = 2 * (i * signals[i].size() + index);
     moments.variance.push_back(values[at]);

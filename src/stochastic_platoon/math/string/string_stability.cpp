@@ -17,10 +17,6 @@ namespace platoon {
 
 namespace {
 
-bool loses(const PlatoonModel& model) {
-  return any_link(model, [](const LinkModel& link) { return link.loses(); });
-}
-
 /// Why predictions from predictions grow.
 std::string growth_reason(const PlatoonModel& model, double growth) {
   if (!has_bursts(model))
@@ -88,7 +84,7 @@ bool judge_losses(double loss_gain, double doubt, const PlatoonModel& model, Str
 /// Judges a mean square stable string, by the theory of `pattern` or, without one, by that of hearing_string.
 void judge(const LinkedPattern* pattern, const PlatoonModel& model, StringStability& verdict) try {
   if (!judge(pattern != nullptr ? judged_gain(*pattern) : hearing_gain(model), model, verdict)) return;
-  HearingLimit end;
+  StringEnd end;
   double doubt = 1e-9;
   if (pattern != nullptr) {
     end.loss_gain = loss_gain(*pattern);
@@ -102,10 +98,9 @@ void judge(const LinkedPattern* pattern, const PlatoonModel& model, StringStabil
   verdict.string_stable = true;
   if (pattern != nullptr) end.variances = limit_variances(*pattern, metres_per_step(model));
   if (!end.variances.empty()) verdict.limit_variance = *std::max_element(end.variances.begin(), end.variances.end());
-  const bool with_losses = loses(model);
   verdict.reason = "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1" +
-                   (with_losses ? ", " : " and ") + gain_name(model) + " is below 1 for all w > 0";
-  if (with_losses) verdict.reason += ", and the loss gain is " + beside_one(end.loss_gain) + ", below 1";
+                   (loses(model) ? ", " : " and ") + gain_name(model) + " is below 1 for all w > 0";
+  if (loses(model)) verdict.reason += ", and the loss gain is " + beside_one(end.loss_gain) + ", below 1";
 } catch (const NarrowSpectra& narrow) {
   verdict.undecided = true;
   verdict.reason = std::string("undecided: ") + narrow.what() + " along an endless string";

@@ -4,6 +4,7 @@
 
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 
 namespace platoon {
 
@@ -52,6 +53,14 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
   if (positions.size() == static_cast<std::size_t>(steps + 1)) return positions;
   throw BagError(file + ": holds " + std::to_string(positions.size()) + " steps of a leader: must hold steps -1 to " +
                  std::to_string(steps - 1));
+}
+
+Configuration repeated(const BagSource& source, const std::map<std::string, std::string>& settings,
+                       bool behind_recorded_leader) {
+  Configuration configuration = parse_configuration(configuration_document(configuration_to_repeat(source), settings));
+  if (!behind_recorded_leader) return configuration;
+  configuration.model.recorded_leader = recorded_leader(source, configuration.run.steps);
+  return parse_configuration(to_json(configuration).dump());
 }
 
 RecordedPlatoon recorded_platoon(const BagSource& source) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,5 +30,10 @@ Configuration configuration_to_repeat(const BagSource& source);
 /// y_0(-1) .. y_0(steps - 1) [m] as recorded: the leader's positions in the first batch of the bags. Throws BagError if
 /// there are fewer.
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps);
+
+/// configuration_to_repeat() with these settings, see configuration_document(), for a run with the recorded leader or
+/// with that of the model. Throws ConfigurationError if they do not fit together.
+Configuration repeated(const BagSource& source, const std::map<std::string, std::string>& settings,
+                       bool behind_recorded_leader = false);
 
 }  // namespace platoon

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/bags/bag_records.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"

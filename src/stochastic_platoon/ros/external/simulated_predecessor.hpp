@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_contract.hpp"

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 #include <cstdlib>
 #include <map>

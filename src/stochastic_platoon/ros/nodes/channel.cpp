@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 
 namespace platoon {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/run/delivery/pipeline.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/observation/road_scene.hpp"

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 
 namespace platoon {

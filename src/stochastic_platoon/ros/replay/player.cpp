@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/transport/transport.hpp"

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"

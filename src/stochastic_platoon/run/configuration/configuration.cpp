@@ -5,6 +5,8 @@
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"

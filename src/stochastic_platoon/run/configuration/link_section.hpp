@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/run/configuration/section.hpp"
 

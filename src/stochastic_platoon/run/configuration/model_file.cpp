@@ -74,7 +74,7 @@ void read_loop(Section& section, const VehicleModel* base, double sample_period,
 }
 
 VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sample_period, bool allow_unstable) {
-  VehicleModel vehicle = base != nullptr ? *base : VehicleModel{close_loop(placeholder_design(), 1.0), 1.0};
+  VehicleModel vehicle = base != nullptr ? *base : VehicleModel(close_loop(placeholder_design(), 1.0), 1.0);
   const auto number = [&](const char* key, const Allowed& allowed, double& value) {
     if (base == nullptr || section.has(key)) value = section.number(key, allowed);
   };

@@ -1,4 +1,5 @@
 #include "stochastic_platoon/run/delivery/signal_assembly.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/channel/information_age.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 namespace platoon {
@@ -35,7 +36,7 @@ std::string age_report(const PlatoonModel& model) {
 }
 
 nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {
-  if (!any_link(model, [](const LinkModel& link) { return link.loses(); })) return nullptr;
+  if (!loses(model)) return nullptr;
   nlohmann::json ages = {{"position", nlohmann::json::array()}};
   if (has_radios(model)) ages["input"] = nlohmann::json::array();
   for (std::size_t i = 1; i <= followers; ++i) {

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/contradictions.hpp"

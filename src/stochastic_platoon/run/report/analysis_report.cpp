@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/report/age_analysis.hpp"
@@ -35,8 +36,7 @@ std::string of_types(const PlatoonModel& model, const std::vector<std::string>& 
 /// The gain that verdicts judge, and what it leads from and to.
 std::string judged_gain(const PlatoonModel& model) {
   if (!hears_predecessors_only(model)) return "the gain along the string";
-  const bool loses = any_link(model, [](const LinkModel& link) { return link.loses(); });
-  return gain_name(model) + ", the " + (loses ? "mean " : "") + "gain from " +
+  return gain_name(model) + ", the " + (loses(model) ? "mean " : "") + "gain from " +
          (pattern(model).size() > 1 ? "the position in front of the string's pattern to that of its last vehicle"
                                     : "a vehicle's position to its follower's");
 }

@@ -25,10 +25,6 @@ namespace {
 constexpr char kNoFourthMoments[] =
     "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the run is not judged";
 
-bool loses(const PlatoonModel& model) {
-  return any_link(model, [](const LinkModel& link) { return link.loses(); });
-}
-
 Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
   const RunOptions& run = configuration.run;
   const std::size_t cells =

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"

@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/channel/information_age.hpp"
 #include "stochastic_platoon/math/channel/link.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/io/csv_text.hpp"
 

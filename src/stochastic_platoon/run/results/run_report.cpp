@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"

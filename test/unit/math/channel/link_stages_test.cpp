@@ -4,11 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "stochastic_platoon/math/channel/coloured_noise.hpp"
-#include "stochastic_platoon/math/channel/delay_line.hpp"
-#include "stochastic_platoon/math/channel/link.hpp"
-#include "stochastic_platoon/math/channel/packet_loss.hpp"
-#include "stochastic_platoon/math/channel/quantiser.hpp"
+#include "stochastic_platoon/math/channel/link_stage.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 
 namespace platoon {
 namespace {
@@ -20,12 +17,14 @@ constexpr std::uint32_t kReceiver = 3;
 
 TEST(Quantiser, HasAWhiteErrorWithTheVarianceOfAUniformOne) {
   const double step = 0.5;
-  Quantiser quantiser(step, kSeed, kReceiver);
+  Input input;
+  input.link.quantisation_step = step;
+  const std::unique_ptr<LinkStage> stage = quantiser(input, kSeed, kReceiver);
   const std::size_t count = 100000;
   Values before(count), error(count);
   for (const std::int64_t k : {0, 1}) {
     Values positions(count, 12.3);
-    quantiser.step(k, 0, count, positions.data());
+    stage->step(k, 0, count, positions.data());
     double sum = 0.0, squares = 0.0, product = 0.0;
     for (std::size_t r = 0; r < count; ++r) {
       error[r] = positions[r] - 12.3;
@@ -43,13 +42,13 @@ TEST(Quantiser, HasAWhiteErrorWithTheVarianceOfAUniformOne) {
 }
 
 TEST(PacketLoss, HasZeroForALossWithoutAPredictor) {
-  PacketLoss loss({0.5, {}, {}}, kSeed, kReceiver);
+  const std::unique_ptr<LinkStage> loss = packet_loss({0.5, {}, {}}, kSeed, kReceiver);
   Values start(2, 9.0);
-  loss.start(0, 2, start.data(), 0.0);
+  loss->start(0, 2, start.data(), 0.0);
   int lost = 0;
   for (std::int64_t k = 0; k < 200; ++k) {
     Values values(2, 7.0);
-    loss.step(k, 0, 2, values.data());
+    loss->step(k, 0, 2, values.data());
     double chance;
     WhiteNoise(kSeed).fill_uniform({kReceiver, k, Purpose::loss}, 1, 1, &chance);
     const bool is_lost = chance < 0.5;
@@ -60,12 +59,20 @@ TEST(PacketLoss, HasZeroForALossWithoutAPredictor) {
 }
 
 TEST(LinkStages, RejectInvalidOptions) {
-  const TransferFunction improper(Eigen::Vector2d(1.0, 1.0), Eigen::VectorXd::Ones(1));
-  EXPECT_THROW(Quantiser(0.0, 1, 1), std::invalid_argument);
-  EXPECT_THROW(ColouredNoise(-1.0, LinkModel().noise_filter, 1, 1), std::invalid_argument);
-  EXPECT_THROW(ColouredNoise(1.0, improper, 1, 1), std::invalid_argument);
-  EXPECT_THROW(DelayLine(0), std::invalid_argument);
-  EXPECT_THROW(PacketLoss({1.0, {}, {1.0}}, 1, 1), std::invalid_argument);
+  Input input;
+  EXPECT_EQ(quantiser(input, 1, 1), nullptr);
+  EXPECT_EQ(coloured_noise(input, 1, 1), nullptr);
+  EXPECT_EQ(delay_line(input), nullptr);
+  input.link.quantisation_step = -0.1;
+  input.noise_variance = -1.0;
+  input.link.delay = -1;
+  EXPECT_THROW(quantiser(input, 1, 1), std::invalid_argument);
+  EXPECT_THROW(coloured_noise(input, 1, 1), std::invalid_argument);
+  EXPECT_THROW(delay_line(input), std::invalid_argument);
+  input.noise_variance = 1.0;
+  input.link.noise_filter = TransferFunction(Eigen::Vector2d(1.0, 1.0), Eigen::VectorXd::Ones(1));
+  EXPECT_THROW(coloured_noise(input, 1, 1), std::invalid_argument) << "improper";
+  EXPECT_THROW(packet_loss({1.0, {}, {1.0}}, 1, 1), std::invalid_argument);
 }
 
 // Holding: L F = z^-1 / (1 - q z^-1), of norm 1 / (1 - q^2).

@@ -20,7 +20,7 @@ VehicleModel car(double lag, double input_delay, const ControllerGains& gains, b
   LoopDesign design{{car_with_actuator_lag(lag, input_delay), kPeriod}, {gains, kPeriod}};
   design.headway_filter = headway_filter;
   design.sends_input = true;
-  VehicleModel vehicle{close_loop(design, 30.0), 30.0};
+  VehicleModel vehicle(close_loop(design, 30.0), 30.0);
   vehicle.design = design;
   vehicle.standstill_distance = 3.0;
   vehicle.position().noise_variance = 0.01;

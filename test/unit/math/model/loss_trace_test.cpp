@@ -7,7 +7,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/channel/packet_loss.hpp"
+#include "stochastic_platoon/math/channel/link_stage.hpp"
+#include "stochastic_platoon/math/model/link_model.hpp"
 
 namespace platoon {
 namespace {
@@ -59,13 +60,13 @@ TEST(LossTrace, HasTheGrowthOfPredictions) {
 TEST(PacketLoss, FollowsATraceFromARandomOffset) {
   const std::string digits = "1101001110";
   constexpr std::size_t kCount = 20000;
-  PacketLoss loss(recorded(digits, {1.0}), 3, 2);
+  const std::unique_ptr<LinkStage> loss = packet_loss(recorded(digits, {1.0}), 3, 2);
   std::vector<std::vector<double>> received(25, std::vector<double>(kCount));
   std::vector<double> values(kCount, -1.0);
-  loss.start(0, kCount, values.data(), 0.0);
+  loss->start(0, kCount, values.data(), 0.0);
   for (std::size_t k = 0; k < received.size(); ++k) {
     received[k].assign(kCount, static_cast<double>(k));
-    loss.step(static_cast<std::int64_t>(k), 0, kCount, received[k].data());
+    loss->step(static_cast<std::int64_t>(k), 0, kCount, received[k].data());
   }
   std::map<std::size_t, double> offsets;
   for (std::size_t r = 0; r < kCount; ++r) {
@@ -92,15 +93,16 @@ TEST(PacketLoss, FollowsATraceFromARandomOffset) {
 }
 
 TEST(PacketLoss, HasTheSameOffsetInEveryBatch) {
-  PacketLoss all(recorded("110100", {2.0, -1.0}), 3, 2), part(recorded("110100", {2.0, -1.0}), 3, 2);
+  const std::unique_ptr<LinkStage> all = packet_loss(recorded("110100", {2.0, -1.0}), 3, 2),
+                                   part = packet_loss(recorded("110100", {2.0, -1.0}), 3, 2);
   std::vector<double> of_all(100, 1.0), of_part(3, 1.0);
-  all.start(0, 100, of_all.data(), 0.0);
-  part.start(41, 3, of_part.data(), 0.0);
+  all->start(0, 100, of_all.data(), 0.0);
+  part->start(41, 3, of_part.data(), 0.0);
   for (std::int64_t k = 0; k < 30; ++k) {
     of_all.assign(100, std::sin(static_cast<double>(k)));
     of_part.assign(3, std::sin(static_cast<double>(k)));
-    all.step(k, 0, 100, of_all.data());
-    part.step(k, 41, 3, of_part.data());
+    all->step(k, 0, 100, of_all.data());
+    part->step(k, 41, 3, of_part.data());
     for (std::size_t r = 0; r < 3; ++r) EXPECT_EQ(of_part[r], of_all[41 + r]) << k;
   }
 }

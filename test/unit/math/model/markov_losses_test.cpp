@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/model/link_model.hpp"
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "unit/messages.hpp"
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
 #include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/response/pattern_gain.hpp"

@@ -59,7 +59,7 @@ TEST(DesignedGain, KeepsItsDigitsBehindAnyDelay) {
 }
 
 TEST(DesignedGain, EqualsTheGainOfAFollowerWithoutLosses) {
-  VehicleModel vehicle{close_loop(car(0.2, true, 0.0), 350.0), 350.0};
+  VehicleModel vehicle(close_loop(car(0.2, true, 0.0), 350.0), 350.0);
   vehicle.design = car(0.2, true, 0.0);
   const DesignedGain gain(*vehicle.design, vehicle.headway, 0.0, vehicle.design->plant);
   const LinkedVehicle linked(vehicle);

@@ -66,7 +66,7 @@ TEST(LoopMargins, SeparateStableFromUnstableDelays) {
     LoopDesign design{{car_with_actuator_lag(0.1, 0.05 + 0.01 * further), 0.01},
                       {ControllerGains{1.0, 3.0, 0.0}, 0.01}};
     design.headway_filter = true;
-    VehicleModel vehicle{close_loop(design, 50.0), 50.0};
+    VehicleModel vehicle(close_loop(design, 50.0), 50.0);
     vehicle.design = design;
     return vehicle;
   };

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "unit/math/noise/draw.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/same_bits.hpp"

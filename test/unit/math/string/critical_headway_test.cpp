@@ -149,7 +149,7 @@ TEST(CriticalHeadway, OfBurstsIsNotThatOfTheGain) {
   const LoopDesign design{TransferFunction(Polynomial::Ones(1), plant),
                           TransferFunction(Eigen::Vector2d(0.0016083567953037066, -0.0008418184819265871),
                                            Eigen::Vector3d(1.0, 1.041748046875, 0.2533121109008789))};
-  VehicleModel vehicle{close_loop(design, 40.0), 40.0};
+  VehicleModel vehicle(close_loop(design, 40.0), 40.0);
   vehicle.design = design;
   vehicle.position().noise_variance = 2.4;
   vehicle.position().link.loss = LossModel{0.491785172125041, 2.8857295051526712, {1.0}};

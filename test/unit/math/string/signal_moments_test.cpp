@@ -18,8 +18,10 @@ constexpr double kPeriod = 0.5;
 /// Every vehicle repeats the position received one step ago: T = 1 / z.
 PlatoonModel relay(double noise_variance, const InitialPosition& initial = {}) {
   const TransferFunction delay(Eigen::VectorXd::Ones(1), Eigen::Vector2d(1.0, 0.0));
-  VehicleModel vehicle{
-      closed_loop_from(observable_canonical(delay)), 1.0, 2.0, {{InputSignal::position, noise_variance}}, initial};
+  VehicleModel vehicle(closed_loop_from(observable_canonical(delay)), 1.0);
+  vehicle.standstill_distance = 2.0;
+  vehicle.position().noise_variance = noise_variance;
+  vehicle.initial_position = initial;
   return {vehicle, LeaderProfile({{0, 0.0}}, kPeriod), kPeriod};
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
 #include "unit/damage.hpp"
 #include "unit/messages.hpp"

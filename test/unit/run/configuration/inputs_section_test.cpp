@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "unit/run/configuration/model_text.hpp"

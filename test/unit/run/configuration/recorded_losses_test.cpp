@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"

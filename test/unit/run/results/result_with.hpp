@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/run/results/run_result.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/temporary_folder.hpp"

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/channel/awgn_channel.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
 #include "stochastic_platoon/run/results/run_statistics.hpp"
 #include "unit/monte_carlo.hpp"
