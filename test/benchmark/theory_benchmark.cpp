@@ -49,12 +49,12 @@ void CriticalHeadwayOfCar(benchmark::State& state) {
 }
 BENCHMARK(CriticalHeadwayOfCar)->ArgName("radio")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
-void ErrorMoments(benchmark::State& state) {
+void SignalMoments(benchmark::State& state) {
   const platoon::PlatoonModel model = paper_model();
   const auto followers = static_cast<std::size_t>(state.range(0));
   for (auto _ : state) benchmark::DoNotOptimize(platoon::error_moments(model, followers, state.range(1)));
 }
-BENCHMARK(ErrorMoments)->Args({20, 100})->Args({10000, 1000})->Unit(benchmark::kMillisecond);
+BENCHMARK(SignalMoments)->Args({20, 100})->Args({10000, 1000})->Unit(benchmark::kMillisecond);
 
 void ErrorMomentsByLemmaOne(benchmark::State& state) {
   const platoon::PlatoonModel model = paper_model();

@@ -175,7 +175,7 @@ class Dense:
         self.car, self.followers, order = car, followers, len(car.denominator) - 1
         self.places, count = {}, 0
         for i in range(self.followers + 1):
-            for name, size in [("y", order + 1), ("u", order + 1), ("e", 1), ("line", car.delay), (("used", 0), 2), (("used", 1), 2)]:
+            for name, size in [("y", max(order + 1, 4)), ("u", order + 1), ("e", 1), ("line", car.delay), (("used", 0), 2), (("used", 1), 2)]:
                 self.places[i, name] = slice(count, count + size)
                 count += size
         self.count = count
@@ -211,12 +211,18 @@ class Dense:
         after[place] = np.concatenate([[value], before[:-1]])
         return value
 
-    def error(self, i):
-        """The row that gives zeta_i."""
+    def row(self, name, i):
+        """The row that gives a signal of follower i, apart from a constant."""
+        ahead, own = self.places[i - 1, "y"].start, self.places[i, "y"].start
+        period, h = LONG(self.car.period), self.car.h
+        entries = {"error": {ahead: 1, own: -1 - h, own + 1: h}, "gap": {ahead: 1, own: -1}, "input": {self.places[i, "u"].start: 1},
+                   "relative_speed": {ahead: 1 / period, ahead + 1: -1 / period, own: -1 / period, own + 1: 1 / period},
+                   "speed": {own: 1 / period, own + 1: -1 / period},
+                   "acceleration": {own + j: c / period ** 2 for j, c in enumerate((1, -2, 1))},
+                   "jerk": {own + j: c / period ** 3 for j, c in enumerate((1, -3, 3, -1))}}[name]
         row = np.zeros(self.count, LONG)
-        row[self.places[i - 1, "y"].start] += 1
-        row[self.places[i, "y"].start] -= 1 + self.car.h
-        row[self.places[i, "y"].start + 1] += self.car.h
+        for place, value in entries.items():
+            row[place] = value
         return row
 
     def matrices(self, lost):
@@ -228,8 +234,8 @@ class Dense:
         r = self.step(np.zeros((self.count, 1), LONG), np.ones(1, LONG), zero[:, None], lost)
         return a, b, r[:, 0]
 
-    def tables(self, speed, steps=STEPS):
-        """Mean and variance of every error."""
+    def tables(self, speed, steps=STEPS, names=("error",)):
+        """Mean and variance of every signal, apart from constants: one after the other."""
         car = self.car
         _, stationary, step, links = joint_chain(car.losses * self.followers, LONG)
         lost = [tuple(zip(of[::2], of[1::2])) for of in links]  # per follower and link
@@ -239,7 +245,7 @@ class Dense:
             a, b, r = self.matrices(of)
             known[of] = a, congruence(a), b @ noise @ b.T, r
         first, second = np.zeros((len(lost), self.count), LONG), np.zeros((len(lost), self.count, self.count), LONG)
-        means, variances = np.zeros((self.followers, steps)), np.zeros((self.followers, steps))
+        means, variances = np.zeros((2, len(names), self.followers, steps))
         for k in range(-1, steps - 1):
             position = LONG(max(k, 0) * speed * car.period)
             if k >= 0:  # at step -1 nothing is lost, and nothing disturbs
@@ -252,8 +258,9 @@ class Dense:
                 second[c] = congruent(second[c]) + cross + cross.T + stationary[c] * (np.outer(drive, drive) + (noises if k >= 0 else 0))
                 first[c] = moved + stationary[c] * drive
             mean, whole = first.sum(axis=0), second.sum(axis=0)
-            for i in range(1, self.followers + 1):
-                row = self.error(i)
-                means[i - 1, k + 1] = row @ mean
-                variances[i - 1, k + 1] = row @ whole @ row - (row @ mean) ** 2
+            for s, name in enumerate(names):
+                for i in range(1, self.followers + 1):
+                    row = self.row(name, i)
+                    means[s, i - 1, k + 1] = row @ mean
+                    variances[s, i - 1, k + 1] = row @ whole @ row - (row @ mean) ** 2
         return means, variances

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Compares analyze with independent computations for random cars with radar and radio: stationary variances, their shares, the limit
 and the verdict with Gamma at many frequencies in extended precision, and mean and variance of every step with the second moments of
-the whole string, in all modes of the chains that its links lose by.
+the whole string, in all modes of the chains that its links lose by; of these also the variances of all signals.
 
 radio_theory_test.py [ANALYZE] [--models M] [--seed SEED]
 """
@@ -16,6 +16,7 @@ from random_models import analysis_of, parsed
 
 DENSE_FOLLOWERS = 3
 MOST_MODES = 16  # of two followers, whose states are counted in each
+SIGNALS = ("gap", "speed", "acceleration", "jerk", "input", "relative_speed")
 CLOSE, CLOSE_OF_CHAINS = 1e-9, 1e-10
 
 
@@ -35,7 +36,7 @@ def check(name, model, found):
         worst = max(worst, abs(found["limit_variance"] / float(limit) - 1))
     if loss_gain is not None and car.q > 0 and found["loss_gain"] is not None:
         worst = max(worst, abs(found["loss_gain"] / float(loss_gain) - 1))
-    means, variances = Dense(car, DENSE_FOLLOWERS).tables(20.0)
+    [means], [variances] = Dense(car, DENSE_FOLLOWERS).tables(20.0)
     mean, variance = (np.array(found[key])[:DENSE_FOLLOWERS] for key in ("mean", "variance"))
     worst = max(worst, np.max(abs(mean - means)) / np.max(abs(means)))
     positive = variances > 1e-12 * np.max(variances)
@@ -52,7 +53,7 @@ def difference(found, expected):
 
 def check_chains(name, model, found, followers):
     """Every step of a car whose links lose by chains, in all their modes."""
-    means, variances = Dense(Car(model), followers).tables(20.0)
+    [means], [variances] = Dense(Car(model), followers).tables(20.0)
     worst = np.max(abs(np.array(found["mean"]) - means)) / np.max(abs(means))
     worst = max(worst, difference(found["variance"], variances))
     assert worst <= CLOSE_OF_CHAINS, "%s: differs by %.2g, relative" % (name, worst)
@@ -60,9 +61,12 @@ def check_chains(name, model, found, followers):
 
 
 def check_stationary(name, model, found, followers):
-    variances = Dense(Car(model), followers).tables(0.0, 800)[1]
-    assert np.max(abs(variances[:, 700] / variances[:, -1] - 1)) < CLOSE_OF_CHAINS / 100, name + ": must settle within 700 steps"
-    worst = difference(found["stationary_variance"], variances[:, -1])
+    variances = Dense(Car(model), followers).tables(0.0, 800, ("error",) + SIGNALS)[1]
+    assert np.max(abs(variances[..., 700] / variances[..., -1] - 1)) < CLOSE_OF_CHAINS / 100, name + ": must settle within 700 steps"
+    worst = difference(found["stationary_variance"], variances[0, :, -1])
+    for signal, of_signal in zip(SIGNALS, variances[1:]):
+        worst = max(worst, difference(found["signals"][signal]["variance"], of_signal[:, :STEPS]),
+                    difference(found["signals"][signal]["stationary_variance"], of_signal[:, -1]))
     assert worst <= CLOSE_OF_CHAINS, "%s: differs by %.2g, relative" % (name, worst)
     return worst
 
@@ -83,7 +87,7 @@ def main():
             draw = random.Random(name)
             model = drawn_one(draw)
             followers = 2 if len(joint_chain(Car(model).losses * 2)[0]) <= MOST_MODES else 1
-            found = analysis_of(arguments.analyze, name, model, followers=followers, steps=STEPS)
+            found = analysis_of(arguments.analyze, name, model, followers=followers, steps=STEPS, signals=",".join(SIGNALS))
             if found:
                 print(name, "%.2g" % check_one(name, model, found, followers))
     print("%d models, %d of them string stable: largest difference %.2g, relative" % (arguments.models, stable, worst))

@@ -138,13 +138,22 @@ class Signals(LaunchTest):
         again = tool("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0, output=self.path("worst"))
         self.assertIn("exists and is never overwritten", again.stderr)
 
-    def test_behind_losses_signals_are_measured_only(self):
-        text = self.measure("lossy", loss=0.1)
-        self.assertIn("gap of follower 4 at 4.9 s (step 49): mean", text)
-        self.assertIn("(measured only)", text)
-        rows = rows_of(self.path("lossy"), "signals.csv")
-        self.assertEqual({row["theoretical_variance"] for row in rows}, {""})
-        self.assertTrue(np.all([float(row["variance"]) >= 0 for row in rows]))
+    def test_behind_losses_signals_have_a_theory_but_collisions_none(self):
+        for burst in ("", 3.0):
+            folder = "lossy{}".format(burst)
+            text = self.measure(folder, loss=0.1, **({"mean_burst": burst} if burst else {}))
+            self.assertRegex(text, r"gap of follower 4 at 4.9 s \(step 49\): mean .* \(theory ")
+            self.assertNotIn("by theory at most", text)
+            rows = rows_of(self.path(folder), "signals.csv")
+            mean, variance, expected_mean, expected = (
+                np.array([float(row[name]) for row in rows]) for name in ("mean", "variance", "theoretical_mean", "theoretical_variance"))
+            error = np.sqrt(np.maximum(expected, 1e-12) / REALIZATIONS)
+            self.assertLess(np.max(abs(mean - expected_mean) / error), 5.0)
+            # A standard error of a variance is 2 % of it for normal values, and more behind losses.
+            moves = expected > 1e-9
+            self.assertGreater(np.sum(moves), 0.8 * len(rows))
+            self.assertLess(np.max(abs(variance[moves] / expected[moves] - 1.0)), 0.25)
+            self.assertEqual({row["theoretical_collision_bound"] for row in rows_of(self.path(folder), "gaps.csv")}, {""})
 
     def test_bad_input_is_named(self):
         for options, message in (

@@ -1,10 +1,13 @@
 #include "stochastic_platoon/math/links/chain_follower.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 
@@ -63,7 +66,8 @@ Ahead Ahead::behind(std::size_t follower, const Moved& own, std::size_t most) co
 }
 
 ChainFollower::ChainFollower(const PlatoonModel& model, std::size_t follower, Eigen::Index count, Eigen::Index blocks)
-    : model_(vehicle(model, follower)),
+    : platoon_(model),
+      model_(vehicle(model, follower)),
       follower_(follower),
       count_(count),
       blocks_(blocks),
@@ -86,10 +90,10 @@ ChainFollower::ChainFollower(const PlatoonModel& model, std::size_t follower, Ei
     packets_[model_.losses_of(n)].push_back(n);
     kinds_ = std::max(kinds_, heard_.back().kind + 1);
   }
-  place(model, plain);
+  if (!plain) offset_ = steady_offset(model);
 }
 
-Moved ChainFollower::behind(const Ahead& ahead, const Motion& leader, ErrorMoments& errors) const {
+Moved ChainFollower::behind(const Ahead& ahead, const Motion& leader) const {
   std::vector<Arriving> all;
   for (const Heard& heard : heard_) all.push_back(arriving(heard, ahead, leader));
   Moved used{{Vector::Zero(kinds_ * count_), Matrix::Zero(kinds_ * count_, kinds_ * count_)},
@@ -103,30 +107,27 @@ Moved ChainFollower::behind(const Ahead& ahead, const Motion& leader, ErrorMomen
       if (model_.losses_of(j) != model_.losses_of(l)) add_pair(j, l, all, ahead, used);
     }
   }
-  const InitialPosition& initial = model_.initial_position;
-  Moved own{{passed(used.own.mean) + static_cast<long double>(initial.mean) * free_,
-             passed(passed(used.own.covariance).transpose())},
-            passed(used.with_ahead)};
-  add_errors(own, ahead, leader, errors);
-  own.own.covariance += static_cast<long double>(initial.variance) * (free_ * free_.transpose());
+  return {{passed(used.own.mean) + static_cast<long double>(model_.initial_position.mean) * free_,
+           passed(passed(used.own.covariance).transpose())},
+          passed(used.with_ahead)};
+}
+
+Moved ChainFollower::placed(Moved own) const {
+  own.own.covariance += static_cast<long double>(model_.initial_position.variance) * (free_ * free_.transpose());
   return own;
 }
 
 // Where the steady motion before step -1 is not an equilibrium, a constant error drives the vehicle.
-void ChainFollower::place(const PlatoonModel& model, bool plain) {
-  if (plain) {
-    error_ = slope_ * static_cast<long double>(model_.position().link.delay);
-    return;
-  }
+long double ChainFollower::steady_offset(const PlatoonModel& model) const {
   const long double own = start_place(model, follower_), distance = model_.standstill_distance,
                     spacing = slope_ * model_.headway + distance;
-  offset_ = -own - spacing_in_vehicles(model_, follower_) * spacing;
+  long double offset = -own - spacing_in_vehicles(model_, follower_) * spacing;
   for (const Input& input : model_.inputs) {
     if (input.signal != InputSignal::position) continue;
-    offset_ += input.gain *
-               (start_place(model, source_of(input, follower_)) - slope_ * static_cast<long double>(input.link.delay));
+    offset += input.gain *
+              (start_place(model, source_of(input, follower_)) - slope_ * static_cast<long double>(input.link.delay));
   }
-  error_ = start_place(model, follower_ - 1) - own - spacing;
+  return offset;
 }
 
 Eigen::Index ChainFollower::place_of(std::size_t vehicle, Eigen::Index block, const Ahead& ahead) const {
@@ -195,24 +196,65 @@ void ChainFollower::add_pair(std::size_t j, std::size_t l, const std::vector<Arr
   of_kinds(used.own.covariance, l, j) += both.transpose();
 }
 
-// `own`: without the initial position's part of the covariance, which is a square in the error: until noise arrives
-// it may be all of the variance, and near 0.
-void ChainFollower::add_errors(const Moved& own, const Ahead& ahead, const Motion& leader, ErrorMoments& errors) const {
-  const long double h = model_.headway, g = 1.0L + h, initial = model_.initial_position.variance;
+namespace {
+
+/// What a term takes of y(k), y(k-1), ...: factor (1 - z^-1)^order.
+Signal::Recent<long double> weights(const Signal::Term& term) {
+  Signal::Recent<long double> of{static_cast<long double>(term.factor)};
+  for (int n = 0; n < term.order; ++n) {
+    for (std::size_t j = of.size(); --j > 0;) of[j] -= of[j - 1];
+  }
+  return of;
+}
+
+/// A quadratic form of a covariance, and the size of its terms.
+struct Form {
+  long double value = 0.0L, size = 0.0L;
+
+  void add(long double term) {
+    value += term;
+    size += std::abs(term);
+  }
+};
+
+}  // namespace
+
+// Until noise arrives, the initial position's part may be all of the variance, and near 0: it is a square, added apart.
+void ChainFollower::add_moments(const Signal& signal, const Moved& own, const Ahead& ahead, const Motion& leader,
+                                SignalMoments& moments) const {
   const bool first = follower_ == 1;
-  const Eigen::Index at = first ? 0 : place_of(follower_ - 1, 0, ahead);
-  const Vector mean = first ? column_of(leader.position) : Vector(ahead.moments.mean.segment(at, count_));
-  const Vector& own_mean = own.own.mean;
-  const Matrix& covariance = own.own.covariance;
+  const Eigen::Index at = first ? 0 : place_of(follower_ - 1, 0, ahead), block = signal.is_input ? count_ : 0;
+  const Vector of_leader = first ? column_of(leader.position) : Vector();
+  const Signal::Recent<long double> apart = weights(signal.apart);
+  Signal::Recent<long double> of_own = weights(signal.own);
+  if (signal.own.order == 0) of_own = {signal.is_input ? 1.0L : 0.0L};
+  for (std::size_t j = 0; j < of_own.size(); ++j) of_own[j] -= apart[j];
+  const long double steady = steady_value(platoon_, signal, follower_) + signal.at_rest(model_.standstill_distance);
+  const auto size = static_cast<Eigen::Index>(signal.order()) + 1;
   for (Eigen::Index a = 1; a < count_; ++a) {
-    errors.mean.push_back(static_cast<double>(error_ + mean(a) - own_mean(a) - h * (own_mean(a) - own_mean(a - 1))));
-    long double variance =
-        g * g * covariance(a, a) + h * h * covariance(a - 1, a - 1) - 2.0L * g * h * covariance(a, a - 1);
-    if (!first)
-      variance += ahead.moments.covariance(at + a, at + a) - 2.0L * g * own.with_ahead(a, at + a) +
-                  2.0L * h * own.with_ahead(a - 1, at + a);
-    const long double free = free_(a) + h * (free_(a) - free_(a - 1));
-    errors.variance.push_back(static_cast<double>(std::max(variance, 0.0L) + initial * free * free));
+    long double mean = steady, free = 0.0L;
+    Form variance;
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const Eigen::Index here = std::max<Eigen::Index>(a - j, 0), of_here = block + here, in_ahead = at + here;
+      const long double own_j = of_own[static_cast<std::size_t>(j)], apart_j = apart[static_cast<std::size_t>(j)];
+      mean += own_j * own.own.mean(of_here);
+      if (apart_j != 0.0L) mean += apart_j * (first ? of_leader(here) : ahead.moments.mean(in_ahead));
+      free += own_j * free_(of_here);
+      for (Eigen::Index l = 0; l < size; ++l) {
+        const Eigen::Index there = std::max<Eigen::Index>(a - l, 0);
+        const long double own_l = of_own[static_cast<std::size_t>(l)], apart_l = apart[static_cast<std::size_t>(l)];
+        variance.add(own_j * own_l * own.own.covariance(of_here, block + there));
+        if (first || apart_l == 0.0L) continue;
+        variance.add(2.0L * own_j * apart_l * own.with_ahead(of_here, at + there));
+        variance.add(apart_j * apart_l * ahead.moments.covariance(in_ahead, at + there));
+      }
+    }
+    const bool is_error = signal.of_distance() != 0.0 && signal.own.order > 0;
+    const bool is_hidden = !is_error && variance.value != 0.0L && variance.value < 1e-13L * variance.size;
+    moments.mean.push_back(static_cast<double>(mean));
+    moments.variance.push_back(is_hidden ? kNaN
+                                         : static_cast<double>(std::max(variance.value, 0.0L) +
+                                                               model_.initial_position.variance * free * free));
   }
 }
 

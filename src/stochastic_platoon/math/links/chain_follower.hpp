@@ -50,15 +50,22 @@ struct Ahead {
   Ahead behind(std::size_t follower, const Moved& own, std::size_t most) const;
 };
 
-/// One follower and its links: a step of chain_error_moments(). What it uses has one block for the weighted sum of the
+/// One follower and its links: a step of chain_moments(). What it uses has one block for the weighted sum of the
 /// positions and, if it hears any, one for that of all other signals.
 class ChainFollower {
 public:
-  /// `blocks` of a vehicle: 1 for its positions, 2 with its inputs.
+  /// `model` must outlive the object. `blocks` of a vehicle: 1 for its positions, 2 with its inputs.
   ChainFollower(const PlatoonModel& model, std::size_t follower, Eigen::Index count, Eigen::Index blocks);
 
-  /// The own motion behind these vehicles. Appends mean and variance of every tracking error.
-  Moved behind(const Ahead& ahead, const Motion& leader, ErrorMoments& errors) const;
+  /// The own motion behind these vehicles, without what the variance of the initial position adds.
+  Moved behind(const Ahead& ahead, const Motion& leader) const;
+
+  /// The same with it.
+  Moved placed(Moved own) const;
+
+  /// Appends mean and variance of a signal at every step, of behind().
+  void add_moments(const Signal& signal, const Moved& own, const Ahead& ahead, const Motion& leader,
+                   SignalMoments& moments) const;
 
 private:
   using Matrix = ExtendedMatrix;
@@ -82,7 +89,7 @@ private:
     Matrix with_ahead;  ///< covariance with the vehicles ahead
   };
 
-  void place(const PlatoonModel& model, bool plain);
+  long double steady_offset(const PlatoonModel& model) const;
   Eigen::Index place_of(std::size_t vehicle, Eigen::Index block, const Ahead& ahead) const;
   Arriving arriving(const Heard& heard, const Ahead& ahead, const Motion& leader) const;
   Matrix covariance(std::size_t j, std::size_t l, const std::vector<Arriving>& all, const Ahead& ahead) const;
@@ -90,10 +97,10 @@ private:
   void add_packet(const std::vector<std::size_t>& packet, const std::vector<Arriving>& all, const Ahead& ahead,
                   Moved& used) const;
   void add_pair(std::size_t j, std::size_t l, const std::vector<Arriving>& all, const Ahead& ahead, Moved& used) const;
-  void add_errors(const Moved& own, const Ahead& ahead, const Motion& leader, ErrorMoments& errors) const;
   Vector joined(const Motion& motion) const;
   Matrix passed(const Matrix& columns) const;
 
+  const PlatoonModel& platoon_;
   VehicleModel model_;
   std::size_t follower_;
   Eigen::Index count_, blocks_, kinds_ = 1;
@@ -103,7 +110,6 @@ private:
   std::vector<Heard> heard_;
   std::vector<std::vector<std::size_t>> packets_;  ///< inputs that are lost together, at the first of them
   long double offset_ = 0.0L;                      ///< of what it uses, before step -1
-  long double error_ = 0.0L;                       ///< tracking error of the steady motion before step -1
 };
 
 }  // namespace platoon

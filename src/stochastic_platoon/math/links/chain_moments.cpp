@@ -16,7 +16,8 @@
 
 namespace platoon {
 
-ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+std::vector<SignalMoments> chain_moments(const PlatoonModel& model, const SignalLists& signals, std::int64_t steps) {
+  const std::size_t followers = signals.size();
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
   const auto count = static_cast<Eigen::Index>(steps) + 1;
@@ -27,14 +28,23 @@ ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t follower
   Motion leader =
       leader_motion(start_slope(model) != 0.0 ? in_moving_frame(model) : model, static_cast<std::size_t>(steps));
   leader.input.resize(leader.position.size(), 0.0L);
-  const Eigen::Index blocks = has_radios(model) ? 2 : 1;
+  const bool has_inputs = has_radios(model) || std::any_of(signals.front().begin(), signals.front().end(),
+                                                           [](const Signal& signal) { return signal.is_input; });
+  const Eigen::Index blocks = has_inputs ? 2 : 1;
   Ahead ahead;
-  ErrorMoments errors{steps, followers, {}, {}};
+  std::vector<SignalMoments> moments(signals.front().size(), {steps, followers});
   for (std::size_t i = 1; i <= followers; ++i) {
-    const Moved own = ChainFollower(model, i, count, blocks).behind(ahead, leader, errors);
-    ahead = ahead.behind(i, own, farthest_ahead(model));
+    const ChainFollower follower(model, i, count, blocks);
+    const Moved own = follower.behind(ahead, leader);
+    for (std::size_t s = 0; s < moments.size(); ++s)
+      follower.add_moments(signals[i - 1][s], own, ahead, leader, moments[s]);
+    ahead = ahead.behind(i, follower.placed(own), farthest_ahead(model));
   }
-  return errors;
+  return moments;
+}
+
+SignalMoments chain_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+  return chain_moments(model, signal_lists(model, {}, followers), steps).front();
 }
 
 bool needs_chain_moments(const PlatoonModel& model) {

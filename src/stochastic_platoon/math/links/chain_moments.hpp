@@ -4,8 +4,8 @@
 
 namespace platoon {
 
-/// Exact mean and variance of every tracking error of a platoon over links of any losses, homogeneous or patterned,
-/// whoever hears whom, from the first step on.
+/// Exact mean and variance of signals of a platoon over links of any losses, homogeneous or patterned, whoever hears
+/// whom, from the first step on, in the order of the lists.
 ///
 /// The covariance of the positions and, where a vehicle hears them, of the control inputs of the vehicles that others
 /// behind still hear passes from vehicle to vehicle. With s = m + s~ the values that arrive on a link, S their
@@ -28,15 +28,23 @@ namespace platoon {
 /// nothing else, the covariance of these with any other value is that of the sent ones, passed by the link on average.
 /// The closed loop filters them all, and the initial position adds its own.
 ///
+/// A signal is a weighted sum of the latest positions of two vehicles, its variance a quadratic form of their
+/// covariance. Where the sum of its terms exceeds it so far that fewer than six digits are left, the variance is NaN;
+/// those of tracking errors always have theirs.
+///
 /// O(followers (inputs steps)^2) time and O((inputs steps)^2) memory. 1e-11 relative; for a mean relative to the
-/// positions. Throws std::invalid_argument unless followers >= 1 and steps >= 1, and if a loop has no equilibrium.
-ErrorMoments chain_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+/// positions, for a variance of differences to the variance of positions. Throws std::invalid_argument unless there is
+/// a follower and steps >= 1, for the control input of vehicles that do not send it, and if a loop has no equilibrium.
+std::vector<SignalMoments> chain_moments(const PlatoonModel& model, const SignalLists& signals, std::int64_t steps);
 
-/// Whether the moments of every step take chain_error_moments(): losses with memory, any losses in a string that hears
+/// Those of the tracking errors.
+SignalMoments chain_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+
+/// Whether the moments of every step take chain_moments(): losses with memory, any losses in a string that hears
 /// more than predecessors, or of positions in a platoon that starts in steady motion.
 bool needs_chain_moments(const PlatoonModel& model);
 
-/// Most steps of chain_error_moments() for this number of followers: half a minute or this share of it, and some
+/// Most steps of chain_moments() for this number of followers: half a minute or this share of it, and some
 /// matrices of 2000 x 2000 numbers; the more a vehicle hears, the fewer.
 std::int64_t most_chain_steps(const PlatoonModel& model, std::size_t followers, double share_of_time = 1.0);
 

@@ -20,9 +20,9 @@ using Sequence = VehicleResponse::Sequence;
 using Values = CausalConvolution::Values;
 using Kernels = std::vector<CausalConvolution::Prepared>;  // by the number of vehicles behind the source
 
-Values squares(const Sequence& values) {
+Values squares(const Sequence& values, std::size_t from = 0) {
   Values result;
-  for (const long double value : values) result.push_back(static_cast<double>(value * value));
+  for (std::size_t a = from; a < values.size(); ++a) result.push_back(static_cast<double>(values[a] * values[a]));
   return result;
 }
 
@@ -38,39 +38,41 @@ void add_multiple(double factor, const Values& from, Values& to) {
 
 /// Squared responses of a source's own vehicle and of those behind it.
 struct Responses {
-  std::vector<Values> error;  ///< of zeta
+  std::vector<std::vector<Values>> signals;  ///< per signal
   std::array<std::vector<Values>, 2>
       innovation;  ///< of e, per link; empty where a vehicle has no such link with losses
 };
 
 /// Powers of the responses to the losses of one link.
 struct LossResponses {
-  Kernels error;
+  std::vector<Kernels> signals;
   std::array<Kernels, 2> innovation;
   Values own;  ///< of the link's own innovation
 };
 
 class LinkedString {
 public:
-  LinkedString(const PlatoonModel& model, std::size_t followers, std::int64_t steps)
+  LinkedString(const PlatoonModel& model, const SignalLists& signals, std::int64_t steps)
       : model_(model),
-        followers_(followers),
+        signals_(signals),
+        followers_(signals.size()),
         steps_(static_cast<std::size_t>(steps)),
-        responses_(model, followers, steps_, StringResponses::Pass::innovations) {}
+        responses_(model, followers_, steps_, StringResponses::Pass::innovations) {}
 
-  ErrorMoments moments() {
-    ErrorMoments result{static_cast<std::int64_t>(steps_), followers_, {}, {}};
+  std::vector<SignalMoments> moments() {
+    std::vector<SignalMoments> result(kinds(), {static_cast<std::int64_t>(steps_), followers_});
     innovation_means_.clear();
     responses_.visit_means([&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& response) {
-      const Sequence errors = tracking_errors(vehicle(model_, i).headway, predecessor, response.own.position);
-      result.mean.insert(result.mean.end(), errors.begin(), errors.end());
+      for (std::size_t s = 0; s < kinds(); ++s)
+        add_means(signals_[i - 1][s], vehicle(model_, i).standstill_distance, predecessor, response.own,
+                  result[s].mean);
       innovation_means_.emplace_back();
       for (std::size_t link = 0; link < response.innovation.size(); ++link) {
         const Sequence& mean = response.innovation[link];
         if (factor(i, link) > 0.0) innovation_means_.back()[link].assign(mean.begin(), mean.end());
       }
     });
-    error_.assign(followers_, Values(steps_, 0.0));
+    variances_.assign(kinds(), std::vector<Values>(followers_, Values(steps_, 0.0)));
     innovation_.clear();
     for (const std::array<Values, 2>& mean : innovation_means_)
       innovation_.push_back({products(mean[0], mean[0]), products(mean[1], mean[1])});
@@ -78,11 +80,14 @@ public:
       for (const StringResponses::Source& source : responses_.sources(i)) add_white(source);
     }
     add_losses();
-    for (const Values& row : error_) result.variance.insert(result.variance.end(), row.begin(), row.end());
+    for (std::size_t s = 0; s < kinds(); ++s) {
+      for (const Values& row : variances_[s])
+        result[s].variance.insert(result[s].variance.end(), row.begin(), row.end());
+    }
     return result;
   }
 
-  // The fourth cumulants of every cell, from E e^2 as computed by moments().
+  // The fourth cumulants of every cell of the first signal, from E e^2 as computed by moments().
   Values fourth_cumulants() {
     std::vector<LossResponses> responses =
         loss_responses([](const Values& squared) { return products(squared, squared); });
@@ -100,13 +105,14 @@ public:
       }
       Values of_error(steps_, 0.0);
       add_losses_to(convolution, responses, i, 2 * i + 2, of_error,
-                    [](LossResponses& of) -> Kernels& { return of.error; });
+                    [](LossResponses& of) -> Kernels& { return of.signals.front(); });
       result.insert(result.end(), of_error.begin(), of_error.end());
     }
     return result;
   }
 
 private:
+  std::size_t kinds() const { return signals_.front().size(); }
   std::size_t period() const { return responses_.different().period; }
 
   // p q of a link; 0 if there is none.
@@ -115,9 +121,10 @@ private:
   }
 
   Responses responses_to(const StringResponses::Source& source) const {
-    Responses found;
+    Responses found{std::vector<std::vector<Values>>(kinds()), {}};
     responses_.visit(source, [&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& of) {
-      found.error.push_back(squares(tracking_errors(vehicle(model_, i).headway, predecessor, of.own.position)));
+      for (std::size_t s = 0; s < kinds(); ++s)
+        found.signals[s].push_back(squares(signal_values(signals_[i - 1][s], predecessor, of.own), 1));
       for (std::size_t link = 0; link < 2; ++link)
         found.innovation[link].push_back(factor(i, link) > 0.0 ? squares(of.innovation[link]) : Values());
     });
@@ -127,12 +134,16 @@ private:
   // Adds a noise or dither, present from step 0 on, or an initial position, at its follower and its repetitions.
   void add_white(const StringResponses::Source& source) {
     Responses responses = responses_to(source);
-    for (auto* rows : {&responses.error, &responses.innovation.front(), &responses.innovation.back()}) {
-      for (Values& row : *rows) {
+    const auto add_up = [&source](std::vector<Values>& rows) {
+      for (Values& row : rows) {
         if (source.input) std::partial_sum(row.begin(), row.end(), row.begin());
       }
-    }
-    add_repeated_rows(source, std::move(responses.error), [this](std::size_t i) { return &error_[i]; });
+    };
+    for (std::vector<Values>& rows : responses.signals) add_up(rows);
+    for (std::vector<Values>& rows : responses.innovation) add_up(rows);
+    for (std::size_t s = 0; s < kinds(); ++s)
+      add_repeated_rows(source, std::move(responses.signals[s]),
+                        [this, s](std::size_t i) { return &variances_[s][i]; });
     for (std::size_t to = 0; to < 2; ++to) {
       add_repeated_rows(source, std::move(responses.innovation[to]),
                         [this, to](std::size_t i) { return &innovation_[i][to]; });
@@ -177,7 +188,10 @@ private:
       const Responses to_loss = responses_to({follower, link, 1.0, {}});
       LossResponses& of = result[source];
       of.own = power(to_loss.innovation[link].front());
-      for (const Values& row : to_loss.error) of.error.emplace_back(power(row));
+      of.signals.resize(kinds());
+      for (std::size_t s = 0; s < kinds(); ++s) {
+        for (const Values& row : to_loss.signals[s]) of.signals[s].emplace_back(power(row));
+      }
       for (std::size_t to = 0; to < 2; ++to) {
         for (const Values& row : to_loss.innovation[to]) of.innovation[to].emplace_back(power(row));
       }
@@ -197,8 +211,10 @@ private:
         }
         add_source(i, link, responses[2 * (i % period()) + link].own);
       }
-      add_losses_to(convolution, responses, i, 2 * i + 2, error_[i],
-                    [](LossResponses& of) -> Kernels& { return of.error; });
+      for (std::size_t s = 0; s < kinds(); ++s) {
+        add_losses_to(convolution, responses, i, 2 * i + 2, variances_[s][i],
+                      [s](LossResponses& of) -> Kernels& { return of.signals[s]; });
+      }
     }
   }
 
@@ -237,25 +253,31 @@ private:
   }
 
   const PlatoonModel& model_;
+  const SignalLists& signals_;
   std::size_t followers_, steps_;
   StringResponses responses_;
   std::vector<std::array<Values, 2>> innovation_means_;  ///< E e(k) per follower and link
-  std::vector<Values> error_;                            ///< variance of zeta_i(k), accumulated
+  std::vector<std::vector<Values>> variances_;           ///< per signal and follower, accumulated
   std::vector<std::array<Values, 2>> innovation_;        ///< E e(k)^2 per follower and link, accumulated
   Kernels sources_;                                      ///< variance of every w, two links per follower
 };
 
 }  // namespace
 
-ErrorMoments linked_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
-                                  std::vector<double>* fourth_cumulants) {
-  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
+std::vector<SignalMoments> linked_moments(const PlatoonModel& model, const SignalLists& signals, std::int64_t steps,
+                                          std::vector<double>* fourth_cumulants) {
+  if (signals.empty()) throw std::invalid_argument("followers: 0: must be >= 1");
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
   for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
-  LinkedString string(model, followers, steps);
-  ErrorMoments moments = string.moments();
+  LinkedString string(model, signals, steps);
+  std::vector<SignalMoments> moments = string.moments();
   if (fourth_cumulants != nullptr) *fourth_cumulants = string.fourth_cumulants();
   return moments;
+}
+
+SignalMoments linked_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
+                                   std::vector<double>* fourth_cumulants) {
+  return linked_moments(model, signal_lists(model, {}, followers), steps, fourth_cumulants).front();
 }
 
 }  // namespace platoon

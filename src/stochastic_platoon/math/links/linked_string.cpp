@@ -40,14 +40,26 @@ std::vector<Eigen::ArrayXd> constant_parts(const StringSpectra::Type& type, doub
   return parts;
 }
 
-std::vector<double> limits_by(const StringSpectra& spectra, double speed) {
+/// What the places of an endless string add, and the spectrum in front of the first of them.
+struct EndlessPlaces {
   std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(sum_of(constant_parts(spectra[j], speed)));
+  Eigen::ArrayXd in_front;
+};
+
+EndlessPlaces endless_places(const StringSpectra& spectra, double speed) {
+  EndlessPlaces string;
+  for (std::size_t j = 0; j < spectra.size(); ++j) string.added.push_back(sum_of(constant_parts(spectra[j], speed)));
   const LossOperator losses(spectra);
-  if (losses.dimensions() > 0) losses.add(solve_one_minus(losses, losses.drives(added)), added);
+  if (losses.dimensions() > 0) losses.add(solve_one_minus(losses, losses.drives(string.added)), string.added);
+  string.in_front = spectra.in_front(string.added, losses.margin());
+  return string;
+}
+
+std::vector<double> limits_by(const StringSpectra& spectra, double speed) {
+  EndlessPlaces string = endless_places(spectra, speed);
   std::vector<double> limits;
-  LinkedWalk walk(spectra, speed, spectra.in_front(added, losses.margin()));
-  for (Eigen::ArrayXd& of_place : added) {
+  LinkedWalk walk(spectra, speed, std::move(string.in_front));
+  for (Eigen::ArrayXd& of_place : string.added) {
     walk.pass(std::move(of_place));
     limits.push_back(walk.error_variance());
   }
@@ -57,15 +69,13 @@ std::vector<double> limits_by(const StringSpectra& spectra, double speed) {
 }  // namespace
 
 LinkedWalk::LinkedWalk(const StringSpectra& spectra, double speed)
-    : LinkedWalk(spectra, speed, Eigen::ArrayXd::Zero(spectra.nodes())) {}
+    : spectra_(&spectra), speed_(speed), behind_leader_(true), spectrum_(Eigen::ArrayXd::Zero(spectra.nodes())) {}
 
 LinkedWalk::LinkedWalk(const StringSpectra& spectra, double speed, Eigen::ArrayXd ahead)
-    : spectra_(&spectra), speed_(speed), spectrum_(std::move(ahead)) {}
+    : spectra_(&spectra), speed_(speed), behind_leader_(false), spectrum_(std::move(ahead)) {}
 
-LinkedWalk LinkedWalk::behind_endless(const StringSpectra& spectra) {
-  std::vector<Eigen::ArrayXd> added;
-  for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(spectra[j].added_by_noise());
-  return LinkedWalk(spectra, 0.0, spectra.in_front(added, spectra.pattern_margin()));
+LinkedWalk LinkedWalk::behind_endless(const StringSpectra& spectra, double speed) {
+  return LinkedWalk(spectra, speed, endless_places(spectra, speed).in_front);
 }
 
 std::vector<Eigen::ArrayXd> LinkedWalk::added() {
@@ -75,7 +85,7 @@ std::vector<Eigen::ArrayXd> LinkedWalk::added() {
   if (index >= constant_.size()) constant_.resize(index + 1);
   if (constant_[index].empty()) constant_[index] = constant_parts(type, speed_);
   std::vector<Eigen::ArrayXd> added = constant_[index];
-  for (std::size_t link = 0; link < added.size() && next_ > 0; ++link) {
+  for (std::size_t link = 0; link < added.size() && !behind_leader_; ++link) {
     const StringSpectra::Input& input = type.inputs[link];
     if (input.losses) added[link] += input.own * scattered(*input.losses, spectra.at_link(next_, link, spectrum_));
   }
@@ -87,6 +97,7 @@ void LinkedWalk::pass(Eigen::ArrayXd added) {
   before_.swap(spectrum_);
   spectrum_ = (*spectra_)[next_].gain * before_ + added;
   added_ = std::move(added);
+  behind_leader_ = false;
   ++next_;
 }
 

@@ -33,8 +33,8 @@ public:
   /// From the first place of a pattern on, behind a position with this spectrum.
   LinkedWalk(const StringSpectra& spectra, double speed, Eigen::ArrayXd ahead);
 
-  /// From the first place of a pattern on in an endless string whose links do not lose.
-  static LinkedWalk behind_endless(const StringSpectra& spectra);
+  /// From the first place of a pattern on in an endless string.
+  static LinkedWalk behind_endless(const StringSpectra& spectra, double speed);
 
   /// What each input of the next follower adds to the spectrum of its position.
   std::vector<Eigen::ArrayXd> added();
@@ -51,6 +51,7 @@ public:
 private:
   const StringSpectra* spectra_;
   double speed_;
+  bool behind_leader_;  ///< whose position has no spectrum
   std::size_t next_ = 0;
   Eigen::ArrayXd spectrum_;                            ///< in front of the next follower
   Eigen::ArrayXd before_, added_;                      ///< in front of the last one, and what it added

@@ -17,7 +17,7 @@ struct SequenceMoments {
   ExtendedMatrix covariance;
 };
 
-/// The recursion over the steps of one link with losses: see chain_error_moments(). A state has n entries, the
+/// The recursion over the steps of one link with losses: see chain_moments(). A state has n entries, the
 /// registers, for each mode of the chain.
 class LossRecursion {
 public:

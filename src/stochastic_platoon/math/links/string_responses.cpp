@@ -200,12 +200,11 @@ Sequence signal_values(const Signal& signal, const Sequence& predecessor, const 
   return sum;
 }
 
-Sequence tracking_errors(long double headway, const Sequence& predecessor, const Sequence& own) {
-  check_interruption();
-  Sequence errors;
-  for (std::size_t a = 1; a < own.size(); ++a)
-    errors.push_back(predecessor[a] - own[a] - headway * (own[a] - own[a - 1]));
-  return errors;
+void add_means(const Signal& signal, double standstill_distance, const Sequence& predecessor, const Motion& motion,
+               std::vector<double>& means) {
+  const Sequence values = signal_values(signal, predecessor, motion);
+  for (std::size_t a = 1; a < values.size(); ++a)
+    means.push_back(static_cast<double>(values[a] + static_cast<long double>(signal.at_rest(standstill_distance))));
 }
 
 }  // namespace platoon

@@ -102,8 +102,8 @@ VehicleResponse::Sequence filtered_impulse(const TransferFunction& filter, std::
 VehicleResponse::Sequence signal_values(const Signal& signal, const VehicleResponse::Sequence& predecessor,
                                         const Motion& motion);
 
-/// zeta_i at this headway from the positions of both vehicles, from step 0 on.
-VehicleResponse::Sequence tracking_errors(long double headway, const VehicleResponse::Sequence& predecessor,
-                                          const VehicleResponse::Sequence& own);
+/// Appends the means of a signal from step 0 on, from the mean motions without place in formation.
+void add_means(const Signal& signal, double standstill_distance, const VehicleResponse::Sequence& predecessor,
+               const Motion& motion, std::vector<double>& means);
 
 }  // namespace platoon

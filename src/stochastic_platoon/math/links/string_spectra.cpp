@@ -68,12 +68,6 @@ void StringSpectra::add(const LinkedVehicle& vehicle, std::vector<std::shared_pt
   types_.push_back(std::move(type));
 }
 
-Eigen::ArrayXd StringSpectra::Type::added_by_noise() const {
-  Eigen::ArrayXd added = Eigen::ArrayXd::Zero(gain.size());
-  for (const Input& of : inputs) added += of.passed * of.noise;
-  return added;
-}
-
 Eigen::ArrayXd StringSpectra::at_link(std::size_t follower, std::size_t link, const Eigen::ArrayXd& spectrum) const {
   return link == 0 ? spectrum : Eigen::ArrayXd((*this)[follower + size() - 1].sent * spectrum);
 }

@@ -28,9 +28,6 @@ public:
   struct Type {
     Eigen::ArrayXd gain, margin, complement, spacing_gain, of_gap, sent;
     std::vector<Input> inputs;  ///< the position and, with feed-forward, the predecessor's input
-
-    /// The spectrum that the noises of the links add to the position.
-    Eigen::ArrayXd added_by_noise() const;
   };
 
   std::size_t size() const { return order_.size(); }  ///< number of vehicles in the pattern

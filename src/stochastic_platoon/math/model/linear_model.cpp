@@ -32,8 +32,13 @@ PlatoonModel in_moving_frame(PlatoonModel model) {
 
 double steady_value(const PlatoonModel& model, const Signal& signal, std::size_t follower) {
   const VehicleModel& own = vehicle(model, follower);
-  const double lag = own.headway + static_cast<double>(own.position().link.delay);
-  return start_slope(model) * (signal.of_distance() * lag + (signal.own.order == 1 ? signal.own.factor : 0.0));
+  const double slope = start_slope(model), of_speed = signal.own.order == 1 ? signal.own.factor : 0.0;
+  if (own.hears_predecessor_only()) {
+    const double lag = own.headway + static_cast<double>(own.position().link.delay);
+    return slope * (signal.of_distance() * lag + of_speed);
+  }
+  const double behind = start_place(model, follower - 1) - start_place(model, follower) - own.standstill_distance;
+  return signal.of_distance() * behind + slope * of_speed;
 }
 
 }  // namespace platoon

@@ -155,6 +155,11 @@ bool has_normal_errors(const PlatoonModel& model) {
   return !has_limits(model) && !any_link(model, [](const LinkModel& link) { return !link.is_normal(); });
 }
 
+void require_normal_errors(const PlatoonModel& model) {
+  if (has_normal_errors(model)) return;
+  throw std::invalid_argument("model: has losses, quantisation or limits: must have normal errors");
+}
+
 std::string duration(std::int64_t steps, const PlatoonModel& model) {
   return formatted("%.6g s", static_cast<double>(steps) * model.sample_period);
 }

@@ -110,6 +110,9 @@ bool depends_on_gap(const PlatoonModel& model);
 /// Whether all errors are normal, which losses, quantisation and limits prevent.
 bool has_normal_errors(const PlatoonModel& model);
 
+/// Throws std::invalid_argument unless has_normal_errors(model).
+void require_normal_errors(const PlatoonModel& model);
+
 /// Whether a vehicle type has limits. Then vehicle 0 is moved exactly.
 bool has_limits(const PlatoonModel& model);
 

@@ -207,6 +207,15 @@ FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::str
   return signals;
 }
 
+SignalLists signal_lists(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers) {
+  SignalLists lists;
+  for (std::size_t i = 1; i <= followers; ++i) {
+    const FollowerSignals of = signals_of(model, names, i);
+    lists.push_back(names.empty() ? std::vector<Signal>{of.error} : of.requested);
+  }
+  return lists;
+}
+
 std::vector<FollowerSignals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
                                             std::size_t followers) {
   std::vector<FollowerSignals> all;

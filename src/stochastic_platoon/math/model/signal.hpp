@@ -43,6 +43,9 @@ struct Signal {
   /// The factor of the distance x_i itself; 0 for its differences.
   double of_distance() const { return apart.order == 0 ? apart.factor : 0.0; }
 
+  /// The value where both vehicles stand at this distance [m].
+  double at_rest(double distance) const { return of_distance() * distance - offset; }
+
   /// The number of earlier positions that it needs.
   int order() const { return std::max(apart.order, own.order); }
 
@@ -123,7 +126,13 @@ struct FollowerSignals {
 /// for an unknown name.
 FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower);
 
-/// The same of followers 1, 2, ..., `followers`.
+/// Signals of followers 1, 2, ...: of each the same number.
+using SignalLists = std::vector<std::vector<Signal>>;
+
+/// The requested signals of followers 1, 2, ..., `followers`; without names the tracking errors alone.
+SignalLists signal_lists(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers);
+
+/// signals_of() followers 1, 2, ..., `followers`.
 std::vector<FollowerSignals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,
                                             std::size_t followers);
 

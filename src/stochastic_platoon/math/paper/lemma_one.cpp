@@ -55,7 +55,7 @@ Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_vari
          (string.b_a * string.b_a.transpose() + string.b_b * string.b_b.transpose() + cross + cross.transpose());
 }
 
-ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+SignalMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   const std::vector<double> leader = leader_error(model, steps);
   const StringMatrices string =
       string_matrices(model.default_vehicle().loop.realization, model.default_vehicle().headway, followers);
@@ -65,8 +65,8 @@ ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t f
   Eigen::VectorXd mean = initial.mean;
   Eigen::MatrixXd covariance = initial.covariance;
   const auto count = static_cast<std::size_t>(steps);
-  ErrorMoments moments{steps, followers, std::vector<double>(followers * count),
-                       std::vector<double>(followers * count)};
+  SignalMoments moments{steps, followers, std::vector<double>(followers * count),
+                        std::vector<double>(followers * count)};
   for (std::size_t k = 0; k < count; ++k) {
     check_interruption();
     const Eigen::VectorXd errors = string.c * mean;

@@ -26,7 +26,7 @@ struct InitialString {
 InitialString initial_string(const PlatoonModel& model, std::size_t followers);
 
 /// Eqs. (means_all) and (variance_all) for k = 0 .. steps-1. Throws as error_moments does.
-ErrorMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+SignalMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
 /// The covariance of the noise in the states, shape nN x nN, with P = noise_variance I:
 /// \f[ \Upsilon = B_a P B_a' + B_b P B_b' + A B_a P B_b' + B_b P B_a' A'. \f]

@@ -19,7 +19,7 @@ double sequence_norm(const double* values, std::size_t count, NormOrder order) {
   return order == NormOrder::kTwo ? std::sqrt(sum) : sum;
 }
 
-ErrorNorms error_norms(const ErrorMoments& moments, NormOrder p, NormOrder q) {
+ErrorNorms error_norms(const SignalMoments& moments, NormOrder p, NormOrder q) {
   const auto steps = static_cast<std::size_t>(moments.steps);
   ErrorNorms norms;
   for (std::size_t i = 0; i < moments.followers; ++i) {

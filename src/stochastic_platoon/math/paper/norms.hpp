@@ -20,6 +20,6 @@ struct ErrorNorms {
   std::vector<double> variance;  ///< || P_{zeta_i} ||_{L_q} [m^2]
 };
 
-ErrorNorms error_norms(const ErrorMoments& moments, NormOrder p, NormOrder q);
+ErrorNorms error_norms(const SignalMoments& moments, NormOrder p, NormOrder q);
 
 }  // namespace platoon

@@ -16,6 +16,7 @@ GapLaw::GapLaw(const PlatoonModel& model, std::size_t followers, std::int64_t st
     : followers_(followers),
       steps_(static_cast<std::size_t>(steps)),
       moments_(signal_moments(model, {kGap}, followers, steps).front()) {
+  require_normal_errors(model);
   const StringResponses responses(model, followers_, steps_);
   different_ = responses.different();
   for (std::size_t i = 1; i <= std::min(followers_, different_.count()); ++i) {

@@ -18,7 +18,7 @@ namespace platoon {
 ///     C_i(k, \tau) = \sum_j \sum_{l \le \min(k, \tau)} f_{ij}(k-l) f_{ij}(\tau-l). \f]
 class GapLaw {
 public:
-  /// Throws std::invalid_argument as signal_moments() does.
+  /// Throws std::invalid_argument as signal_moments() does, and unless has_normal_errors(model).
   GapLaw(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
   std::size_t followers() const { return followers_; }

@@ -8,7 +8,9 @@
 namespace platoon {
 
 std::vector<double> probability_beyond_limits(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
-  const SignalMoments input = signal_moments(without_limits(model, steps), {kInput}, followers, steps).front();
+  const PlatoonModel linear = without_limits(model, steps);
+  require_normal_errors(linear);
+  const SignalMoments input = signal_moments(linear, {kInput}, followers, steps).front();
   std::vector<double> probabilities;
   for (std::size_t c = 0; c < input.mean.size(); ++c) {
     const std::optional<Interval>& limits = vehicle(model, c / static_cast<std::size_t>(steps) + 1).limits.input;

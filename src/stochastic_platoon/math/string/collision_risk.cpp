@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/statistics/normal_crossing.hpp"
@@ -47,6 +48,8 @@ double largest(const std::vector<double>& values) {
 }  // namespace
 
 std::vector<double> collision_bounds(const SignalMoments& gaps, std::size_t steps) {
+  if (gaps.covariance_with_previous.size() != gaps.mean.size())
+    throw std::invalid_argument("moments: without covariances: must be those of normal gaps");
   std::vector<double> bounds;
   for (std::size_t first = 0; first < gaps.mean.size(); first += steps)
     bounds.push_back(bound_over(gaps, first, steps));
@@ -55,6 +58,7 @@ std::vector<double> collision_bounds(const SignalMoments& gaps, std::size_t step
 
 CollisionRisk collision_risk(const PlatoonModel& model, const StationarySignal& gap, const SignalMoments& table,
                              std::size_t steps, double probability) {
+  require_normal_errors(model);
   StationaryRisk of_followers = stationary_risk(model, gap.followers, probability);
   CollisionRisk risk{std::move(of_followers.probability),
                      std::move(of_followers.rate),

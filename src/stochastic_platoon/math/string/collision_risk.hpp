@@ -26,7 +26,8 @@ struct CollisionRisk {
 /// \f[ P(\min_k g(k) < 0) \le P(g(0) < 0) + \sum_{k \ge 1} P(g(k-1) \ge 0, g(k) < 0). \f]
 std::vector<double> collision_bounds(const SignalMoments& gaps, std::size_t steps);
 
-/// Collisions of a platoon, given the moments of its gaps.
+/// Collisions of a platoon, given the moments of its gaps. Throws std::invalid_argument unless
+/// has_normal_errors(model).
 ///
 /// `table`: as for collision_bounds(). `probability`: in (0, 1/2), of a negative gap at the required distance. NaN
 /// where the gap has no stationary moments.

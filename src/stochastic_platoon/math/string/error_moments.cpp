@@ -60,7 +60,7 @@ public:
     impulse_[0] = 1.0;
   }
 
-  ErrorMoments operator()(std::size_t followers) const {
+  SignalMoments operator()(std::size_t followers) const {
     const std::size_t count = zero_.size();
     const InitialPosition& initial = vehicle_.initial_position;
     const bool placed = initial.mean != 0.0 || initial.variance != 0.0;
@@ -71,7 +71,7 @@ public:
     DoubleSequence placed_now = difference(DoubleSequence(count + 1, 0.0), with_headway(w, vehicle_.headway)),
                    placed_next = difference(w, with_headway(filter_(w), vehicle_.headway));
     DoubleSequence leader = leader_error(), mean_shift(count, 0.0), variance(count, 0.0);
-    ErrorMoments moments{static_cast<std::int64_t>(count), followers, {}, {}};
+    SignalMoments moments{static_cast<std::int64_t>(count), followers};
     moments.mean.reserve(followers * count);
     moments.variance.reserve(followers * count);
     for (std::size_t m = 0; m < followers; ++m) {
@@ -136,20 +136,18 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
   PlatoonModel profile = model;
   profile.recorded_leader.clear();
   const auto count = static_cast<std::size_t>(steps);
-  const VehicleResponse::Sequence error = tracking_errors(model.default_vehicle().headway, virtual_leader(model, count),
-                                                          leader_motion(profile, count).position);
-  return {error.begin(), error.end()};
+  const Signal error{{1.0, 0}, 0.0, {-model.default_vehicle().headway, 1}};
+  std::vector<double> values;
+  add_means(error, 0.0, virtual_leader(model, count), leader_motion(profile, count), values);
+  return values;
 }
 
-ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
   if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
   if (needs_chain_moments(model)) return chain_error_moments(model, followers, steps);
-  if (!hears_predecessors_only(model)) {
-    SignalMoments errors = hearing_error_moments(model, followers, steps);
-    return {steps, followers, std::move(errors.mean), std::move(errors.variance)};
-  }
+  if (!hears_predecessors_only(model)) return hearing_error_moments(model, followers, steps);
   if (start_slope(model) != 0.0) {
-    ErrorMoments moments = error_moments(in_moving_frame(model), followers, steps);
+    SignalMoments moments = error_moments(in_moving_frame(model), followers, steps);
     for (std::size_t c = 0; c < moments.mean.size(); ++c) {
       const std::size_t follower = c / static_cast<std::size_t>(steps) + 1;
       moments.mean[c] += steady_value(model, tracking_error(model, follower), follower);

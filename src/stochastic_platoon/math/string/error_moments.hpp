@@ -25,7 +25,7 @@ namespace platoon {
 /// time, O(steps) memory beyond the result. Holds for unstable loops too, within the range of double.
 ///
 /// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and if the loop has no equilibrium.
-ErrorMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 
 /// zeta_0(k) [m] for k = 0 .. steps-1, the error of the leader behind the virtual leader: zeta_0 = S r_0
 /// (paper, assumption assum:leader). Throws as error_moments does.

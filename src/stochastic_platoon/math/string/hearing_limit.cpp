@@ -160,12 +160,18 @@ public:
 
   Eigen::VectorXd noise() const { return joined(noise_); }
 
+  /// The parts of such a vector.
+  std::vector<Eigen::ArrayXd> at_places(const Eigen::VectorXd& added) const {
+    std::vector<Eigen::ArrayXd> parts;
+    for (std::size_t p = 0; p < noise_.size(); ++p)
+      parts.emplace_back(added.segment(static_cast<Eigen::Index>(p) * noise_[p].size(), noise_[p].size()));
+    return parts;
+  }
+
 private:
   std::vector<double> variances(const Eigen::VectorXd& added, std::vector<Eigen::ArrayXd>& next) const {
-    std::vector<Eigen::ArrayXd> at_places;
-    for (std::size_t p = 0; p < noise_.size(); ++p)
-      at_places.emplace_back(added.segment(static_cast<Eigen::Index>(p) * noise_[p].size(), noise_[p].size()));
-    return string_.pass(string_.in_front(at_places), at_places, next);
+    const std::vector<Eigen::ArrayXd> parts = at_places(added);
+    return string_.pass(string_.in_front(parts), parts, next);
   }
 
   Eigen::VectorXd joined(const std::vector<Eigen::ArrayXd>& spectra) const {
@@ -188,9 +194,11 @@ LossGain hearing_loss_gain(const HearingSpectra& spectra, std::size_t period) {
           round.variances(Eigen::VectorXd::Ones(round.size())).front()};
 }
 
-HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t period) {
+HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t period, bool loses) {
   const EndlessString string(spectra, period);
-  return string.walk_behind(string.in_front(string.of_noise()));
+  if (!loses) return string.walk_behind(string.in_front(string.of_noise()));
+  const LossRound round(string);
+  return string.walk_behind(string.in_front(round.at_places(solve_one_minus(round, round.noise()))));
 }
 
 StringEnd hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {

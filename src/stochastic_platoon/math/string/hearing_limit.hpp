@@ -20,8 +20,8 @@ struct StringEnd {
 /// M X M* + Q. Losses add to Q a nonnegative map of it, the loss gain is its spectral radius.
 StringEnd hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses);
 
-/// A walk from the first place of a pattern on in an endless string whose links do not lose.
-HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t period);
+/// A walk from the first place of a pattern on in an endless string whose loss gain is below 1.
+HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t period, bool loses);
 
 /// Its loss gain alone, on its exact side of 1, and the variance of the tracking error behind the first place if each
 /// place adds a spectrum of 1.

@@ -71,7 +71,7 @@ double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps) {
 namespace {
 
 // The largest bound among the paper's platoons of its vehicles, times the amplification by a predictor.
-std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
+std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const SignalMoments& moments) {
   std::vector<double> largest(moments.variance.size(), 0.0);
   for (const VehicleModel& vehicle : pattern(model)) {
     PlatoonModel alike = model;
@@ -91,7 +91,7 @@ std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const Erro
 
 }  // namespace
 
-std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments) {
+std::vector<double> rounding_bounds(const PlatoonModel& model, const SignalMoments& moments) {
   if (!is_papers(model)) return linked_rounding_bounds(model, moments);
   const auto steps = static_cast<std::size_t>(moments.steps);
   const RoundingGains gains =

@@ -24,6 +24,6 @@ double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps);
 /// the same with H (1 + h - h/z) applied to the responses. sigma_i(k)^2 is the variance per unit of noise variance; by
 /// Cauchy and Schwarz it bounds the effect of the errors of the positions ahead. Over other links: the largest bound
 /// among the homogeneous platoons of its vehicles, times 1 + |c_1| + |c_2| + ... of a predictor.
-std::vector<double> rounding_bounds(const PlatoonModel& model, const ErrorMoments& moments);
+std::vector<double> rounding_bounds(const PlatoonModel& model, const SignalMoments& moments);
 
 }  // namespace platoon

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/links/chain_moments.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
@@ -45,7 +47,7 @@ struct ResponseProducts {
 /// lose.
 class SourceMoments {
 public:
-  SourceMoments(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals, std::size_t steps)
+  SourceMoments(const PlatoonModel& model, const SignalLists& signals, std::size_t steps)
       : signals_(signals), steps_(steps), responses_(model, signals.size(), steps) {}
 
   void operator()(std::vector<SignalMoments>& moments) const {
@@ -82,33 +84,18 @@ private:
       cells[(i - 1) * steps_ + k] += static_cast<double>(static_cast<long double>(variance) * sums[k]);
   }
 
-  const std::vector<std::vector<Signal>>& signals_;  ///< per follower
+  const SignalLists& signals_;  ///< per follower
   std::size_t steps_;
   StringResponses responses_;
 };
 
-// The signals of these names; if there are none, the tracking error.
-std::vector<std::vector<Signal>> signals_by_follower(const PlatoonModel& model, const std::vector<std::string>& names,
-                                                     std::size_t followers) {
-  std::vector<std::vector<Signal>> all;
-  for (std::size_t i = 1; i <= followers; ++i) {
-    const FollowerSignals of = signals_of(model, names, i);
-    all.push_back(names.empty() ? std::vector<Signal>{of.error} : of.requested);
-  }
-  return all;
-}
-
 // Means in a string whose vehicles hear their predecessors only.
-void add_linked_means(const PlatoonModel& model, const std::vector<std::vector<Signal>>& signals, std::size_t steps,
+void add_linked_means(const PlatoonModel& model, const SignalLists& signals, std::size_t steps,
                       std::vector<SignalMoments>& moments) {
   const StringResponses responses(model, signals.size(), steps, StringResponses::Pass::innovations);
   responses.visit_means([&](std::size_t i, const Sequence& predecessor, const StringResponses::Response& of) {
     for (std::size_t s = 0; s < moments.size(); ++s) {
-      const Signal& signal = signals[i - 1][s];
-      const double apart = signal.of_distance() * vehicle(model, i).standstill_distance - signal.offset;
-      const Sequence values = signal_values(signal, predecessor, of.own);
-      for (std::size_t a = 1; a < values.size(); ++a)
-        moments[s].mean.push_back(static_cast<double>(values[a] + static_cast<long double>(apart)));
+      add_means(signals[i - 1][s], vehicle(model, i).standstill_distance, predecessor, of.own, moments[s].mean);
     }
   });
 }
@@ -134,8 +121,8 @@ void add_quiet_means(PlatoonModel model, const std::vector<std::string>& names, 
 
 std::vector<SignalMoments> tables(const PlatoonModel& model, const std::vector<std::string>& names,
                                   std::size_t followers, std::size_t steps) {
-  const std::vector<std::vector<Signal>> signals = signals_by_follower(model, names, followers);
-  std::vector<SignalMoments> moments(signals.front().size());
+  const SignalLists signals = signal_lists(model, names, followers);
+  std::vector<SignalMoments> moments(signals.front().size(), {static_cast<std::int64_t>(steps), followers});
   for (std::size_t s = 0; s < names.size(); ++s) {
     if (names[s] == kGap) moments[s].covariance_with_previous.assign(followers * steps, 0.0);
   }
@@ -157,20 +144,23 @@ void require_size(std::size_t followers, std::int64_t steps) {
 std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::vector<std::string>& names,
                                           std::size_t followers, std::int64_t steps) {
   require_size(followers, steps);
-  if (!has_normal_errors(model))
-    throw std::invalid_argument("model: has losses or quantisation: must have normal errors for signal_moments()");
+  if (const auto reason = no_theory(model)) throw std::invalid_argument("no theory, as " + *reason);
   if (names.empty()) return {};
   const auto count = static_cast<std::size_t>(steps);
-  if (!hears_predecessors_only(model)) return tables(model, names, followers, count);
-  for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
-  const bool moves = start_slope(model) != 0.0, has_input = std::count(names.begin(), names.end(), kInput) > 0;
-  PlatoonModel computed = moves ? in_moving_frame(model) : model;
+  PlatoonModel computed = model;
   for (VehicleType& type : computed.types) {
-    if (!has_input) break;
+    if (std::count(names.begin(), names.end(), kInput) == 0) break;
     if (!type.vehicle.loop.parts) throw std::invalid_argument("signal input: must be of vehicles by parts");
     type.vehicle.design->sends_input = true;
   }
-  std::vector<SignalMoments> found = tables(computed, names, followers, count);
+  if (needs_chain_moments(model)) return chain_moments(computed, signal_lists(model, names, followers), steps);
+  if (!hears_predecessors_only(model)) return tables(computed, names, followers, count);
+  for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
+  const bool moves = start_slope(model) != 0.0;
+  if (moves) computed = in_moving_frame(std::move(computed));
+  std::vector<SignalMoments> found = loses(model)
+                                         ? linked_moments(computed, signal_lists(model, names, followers), steps)
+                                         : tables(computed, names, followers, count);
   for (std::size_t s = 0; moves && s < names.size(); ++s) {
     for (std::size_t c = 0; c < found[s].mean.size(); ++c) {
       const std::size_t follower = c / count + 1;

@@ -101,8 +101,6 @@ std::optional<double> StationarySignal::limit_variance() const {
 std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, const std::vector<std::string>& names,
                                                  std::size_t followers, bool string_stable) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  if (!has_normal_errors(model))
-    throw std::invalid_argument("model: has losses or quantisation: must have normal errors for stationary_signals()");
   const auto input = std::find(names.begin(), names.end(), kInput);
   if (input != names.end() && names.size() > 1 && hears_predecessors_only(model)) {
     std::vector<std::string> others = names;

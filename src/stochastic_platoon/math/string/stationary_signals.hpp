@@ -27,8 +27,8 @@ struct StationarySignal {
 
 /// Stationary moments of the signals of these names (see signal_kinds()), in the order of the names.
 ///
-/// With < > the mean over the circle, Phi_i the spectrum of y_i about its mean, N_i the spectrum that the noises of
-/// follower i add, and t = 1 - cos w,
+/// With < > the mean over the circle, Phi_i the spectrum of y_i about its mean, N_i the spectrum that noises and losses
+/// of follower i add, and t = 1 - cos w,
 /// \f[ \Phi_i = |\hat T|^2 \Phi_{i-1} + N_i, \qquad \Phi_0 = 0. \f]
 /// The variances of the gap and of the n-th derivative are
 /// \f[ \langle |1 - \hat T|^2 \Phi_{i-1} + N_i \rangle, \qquad \langle (2 t / T_s^2)^n \Phi_i \rangle, \f]
@@ -41,8 +41,8 @@ struct StationarySignal {
 /// the noises, has at most as many zeros t as the numerator has: 1 for gap and speed, 2 for the acceleration, 3 for the
 /// jerk. 1e-11 relative.
 ///
-/// `string_stable`: the verdict of string_stability(). Throws std::invalid_argument unless followers >= 1 and
-/// has_normal_errors(model), and for an unknown name.
+/// `string_stable`: the verdict of string_stability(). Throws std::invalid_argument unless followers >= 1, for a model
+/// without theory, see no_theory(), and for an unknown name.
 std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, const std::vector<std::string>& names,
                                                  std::size_t followers, bool string_stable);
 

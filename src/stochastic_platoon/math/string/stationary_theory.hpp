@@ -48,15 +48,16 @@ public:
     });
   }
 
-  /// The same with a walk through one pattern of an endless string whose links do not lose.
+  /// The same with a walk through one pattern of an endless string, which must be string stable.
   template <class Values>
   std::vector<double> settled_behind_endless(const Values& values) const {
     if (!pattern_)
       return settled_hearing(model_, [&](const HearingSpectra& spectra) {
-        return values(walk_behind_endless(spectra, type_order(model_).size()));
+        return values(walk_behind_endless(spectra, type_order(model_).size(), loses(model_)));
       });
-    return settled_values(*pattern_, std::nullopt,
-                          [&](const StringSpectra& spectra) { return values(LinkedWalk::behind_endless(spectra)); });
+    return settled_values(*pattern_, std::nullopt, [&](const StringSpectra& spectra) {
+      return values(LinkedWalk::behind_endless(spectra, metres_per_step(model_)));
+    });
   }
 
 private:

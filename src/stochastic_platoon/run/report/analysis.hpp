@@ -38,7 +38,7 @@ struct Analysis {
   std::vector<double> stationary_variance;           ///< [m^2], one per follower; NaN if there is none
   /// Where a vehicle hears more than a position: the shares of its inputs in it, noise and losses, per follower.
   std::vector<std::vector<double>> stationary_variance_by_input = {};
-  ErrorMoments moments;
+  SignalMoments moments;
   ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
   std::optional<TheoremTwoBounds> bounds;  ///< none for an unstable loop, or for a platoon other than the paper's
   double rounding = 0.0;                   ///< [m] error of the vehicles' arithmetic in a position of 1 m

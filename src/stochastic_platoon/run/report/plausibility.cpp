@@ -5,6 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/links/chain_moments.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
@@ -16,6 +18,7 @@ namespace {
 constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;  // [s]
 constexpr double kOneInAHundred = 2.58;                            // standard deviations, both tails
 constexpr std::size_t kMostTheory = 100'000;                       // of the theory that is computed for warnings
+constexpr std::size_t kMostLossyTheory = 10'000;                   // the same where links lose
 
 double fastest_of_leader(const PlatoonModel& model) {
   double fastest = 0.0;
@@ -121,13 +124,15 @@ std::vector<std::string> plausibility_warnings(const Configuration& configuratio
   add_drive(configuration, warnings);
   add_headways(model, warnings);
   add_standstill(model, run.followers, warnings);
-  if (!has_normal_errors(model)) return warnings;
+  if (no_theory(model)) return warnings;
   const auto usual = static_cast<std::int64_t>(std::clamp(10.0 / model.sample_period, 100.0, 10000.0));
   const auto recorded = static_cast<std::int64_t>(model.recorded_leader.size());  // of one step more
   const std::int64_t most = recorded > 1 ? recorded - 1 : static_cast<std::int64_t>(kMostTheory);
-  const std::int64_t steps = std::min(run.steps > 0 ? run.steps : usual, most);
+  std::int64_t steps = std::min(run.steps > 0 ? run.steps : usual, most);
+  const std::size_t most_theory = loses(model) ? kMostLossyTheory : kMostTheory;
   const std::size_t followers =
-      std::min(run.followers, std::max<std::size_t>(kMostTheory / static_cast<std::size_t>(steps), 1));
+      std::min(run.followers, std::max<std::size_t>(most_theory / static_cast<std::size_t>(steps), 1));
+  if (needs_chain_moments(model)) steps = std::clamp<std::int64_t>(most_chain_steps(model, followers, 0.01), 1, steps);
   try {
     const std::vector<std::string> names{"speed", "acceleration"};
     std::vector<SignalFigures> figures;

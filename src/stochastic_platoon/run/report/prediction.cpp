@@ -66,10 +66,10 @@ void void_behind(const RunOptions& run, Prediction& prediction) {
 
 void add_signals(const Configuration& configuration, Prediction& prediction) {
   const RunOptions& run = configuration.run;
-  if (run.signals.empty() || !has_normal_errors(configuration.model)) return;
+  if (run.signals.empty()) return;
   prediction.signals = signal_moments(configuration.model, run.signals, run.followers, run.steps);
   const auto gap = std::find(run.signals.begin(), run.signals.end(), kGap) - run.signals.begin();
-  if (static_cast<std::size_t>(gap) == run.signals.size()) return;
+  if (static_cast<std::size_t>(gap) == run.signals.size() || !has_normal_errors(configuration.model)) return;
   prediction.collision_bound =
       collision_bounds(prediction.signals[static_cast<std::size_t>(gap)], static_cast<std::size_t>(run.steps));
 }
@@ -110,7 +110,7 @@ Prediction theory_of(const Configuration& configuration) {
     if (prediction.warning.empty() && !has_bursts(configuration.model) && plain)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
-    ErrorMoments moments =
+    SignalMoments moments =
         loses(configuration.model) && !of_chain
             ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
             : error_moments(configuration.model, run.followers, run.steps);

@@ -106,7 +106,7 @@ SignalAnalysis analyze_signals(const Configuration& configuration, const SignalR
   const RunOptions& run = configuration.run;
   SignalAnalysis analysis{request, {}, {}, {}};
   const std::vector<std::string> names = request.all_names();
-  if (names.empty() || !has_normal_errors(model)) return analysis;
+  if (names.empty()) return analysis;
   begins("stationary signals");
   analysis.stationary = stationary_signals(model, names, run.followers, string_stable);
   begins("signals of every step");
@@ -114,7 +114,7 @@ SignalAnalysis analyze_signals(const Configuration& configuration, const SignalR
   const SignalsByName signals = exact_signals(model, names, analysis.moments, run.steps);
   if (signals.count("speed") > 0 && run.burn_in + 2 <= run.steps)
     analysis.amplification = amplification(signals, run.steps, run.burn_in);
-  if (!request.collision_probability) return analysis;
+  if (!request.collision_probability || !has_normal_errors(model)) return analysis;
   begins("collisions");
   const auto gap = static_cast<std::size_t>(std::find(names.begin(), names.end(), kGap) - names.begin());
   analysis.collisions = collision_risk(model, analysis.stationary[gap], analysis.moments[gap],
@@ -153,7 +153,7 @@ SignalsByName exact_signals(const PlatoonModel& model, const std::vector<std::st
 std::string report(const Configuration& configuration, const SignalAnalysis& analysis) {
   const std::vector<std::string> names = analysis.request.all_names();
   if (names.empty()) return "";
-  if (analysis.is_empty()) return "Signals and collisions: measured only, as errors are not normal\n";
+  if (analysis.is_empty()) return "Signals and collisions: measured only\n";
   std::string text;
   for (std::size_t s = 0; s < names.size(); ++s) {
     std::string name = in_words(names[s]);
@@ -164,7 +164,8 @@ std::string report(const Configuration& configuration, const SignalAnalysis& ana
   }
   if (!analysis.amplification.empty())
     text += amplification_line(analysis.amplification, configuration.run.burn_in, "no follower moves") + "\n";
-  return analysis.collisions ? text + collision_lines(configuration, analysis) : text;
+  if (analysis.collisions) return text + collision_lines(configuration, analysis);
+  return text + (analysis.request.collision_probability ? "Collisions: measured only, as gaps are not normal\n" : "");
 }
 
 void add_to_json(const Configuration& configuration, const SignalAnalysis& analysis, nlohmann::json& document) {

@@ -29,12 +29,12 @@ SignalRequest signal_request(const std::string& names, const std::string& collis
 /// Called with the name of each stage before it is computed.
 using StageObserver = std::function<void(const char* stage)>;
 
-/// The theory of the requested signals. Empty if errors are not normal.
+/// The theory of the requested signals. Empty for a model without theory.
 struct SignalAnalysis {
   SignalRequest request;
   std::vector<SignalMoments> moments;  ///< in the order of request.all_names(), as is `stationary`
   std::vector<StationarySignal> stationary;
-  std::optional<CollisionRisk> collisions;
+  std::optional<CollisionRisk> collisions;        ///< none if gaps are not normal
   std::vector<Amplification> amplification = {};  ///< one per vehicle 0 .. N; empty without the speed
 
   bool is_empty() const { return moments.empty(); }
@@ -56,7 +56,7 @@ std::string amplification_line(const std::vector<Amplification>& of, std::int64_
 SignalsByName exact_signals(const PlatoonModel& model, const std::vector<std::string>& names,
                             const std::vector<SignalMoments>& moments, std::int64_t steps);
 
-/// A line for each signal and for the amplification, three for the collisions; one line if there is no theory.
+/// A line for each signal and for the amplification, three for the collisions; one line where there is no theory.
 std::string report(const Configuration& configuration, const SignalAnalysis& analysis);
 
 /// Adds the keys `signals`, `collision` and `amplification` as far as they are requested; null if there is no theory.

@@ -36,8 +36,8 @@ void add_signal_theory(CsvText& csv, const Prediction& prediction, std::size_t s
 }
 
 std::optional<double> collision_bound(const Prediction& prediction, std::size_t follower) {
-  return has_signal_theory(prediction, follower) ? std::optional(prediction.collision_bound[follower - 1])
-                                                 : std::nullopt;
+  const bool has_bound = has_signal_theory(prediction, follower) && !prediction.collision_bound.empty();
+  return has_bound ? std::optional(prediction.collision_bound[follower - 1]) : std::nullopt;
 }
 
 std::vector<std::string> run_warnings(const Configuration& configuration, const Prediction& prediction,
@@ -52,6 +52,11 @@ std::vector<std::string> run_warnings(const Configuration& configuration, const 
         measured.back().variance.push_back(of.variance());
       }
     }
+    const auto speaks_of_one = [&measured](const std::string& warning) {
+      return std::any_of(measured.begin(), measured.end(),
+                         [&](const SignalFigures& of) { return warning.rfind(of.name + ":", 0) == 0; });
+    };
+    warnings.erase(std::remove_if(warnings.begin(), warnings.end(), speaks_of_one), warnings.end());
     const std::vector<std::string> motion = motion_warnings(configuration.model, measured, configuration.run.steps);
     warnings.insert(warnings.end(), motion.begin(), motion.end());
   }

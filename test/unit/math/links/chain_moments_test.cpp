@@ -30,7 +30,7 @@ TEST(ChainMoments, OfIndependentLossesEqualThoseOfTheirTheory) {
   model.types.push_back({"truck", truck});
   model.types.push_back({"plain", paper_platoon(3.6).default_vehicle()});
   model.string = {0, 1, 2, 0};
-  const ErrorMoments expected = linked_error_moments(model, 6, 60), found = chain_error_moments(model, 6, 60);
+  const SignalMoments expected = linked_error_moments(model, 6, 60), found = chain_error_moments(model, 6, 60);
   for (std::size_t c = 0; c < expected.mean.size(); ++c) {
     EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-12) << c;
     EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-11 * expected.variance[c]) << c;
@@ -45,7 +45,7 @@ TEST(ChainMoments, OfIndependentLossesOfInputsEqualThoseOfTheirTheory) {
     model.default_vehicle().position().link.loss = LossModel{0.1, {}, {2.0, -1.0}};
     model.default_vehicle().radio()->link.quantisation_step = 0.3;
     model.default_vehicle().initial_position = {-1.0, 2.0};
-    const ErrorMoments expected = linked_error_moments(model, 6, 60), found = chain_error_moments(model, 6, 60);
+    const SignalMoments expected = linked_error_moments(model, 6, 60), found = chain_error_moments(model, 6, 60);
     for (std::size_t c = 0; c < expected.mean.size(); ++c) {
       EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-12) << c;
       EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-11 * expected.variance[c]) << c;
@@ -55,7 +55,7 @@ TEST(ChainMoments, OfIndependentLossesOfInputsEqualThoseOfTheirTheory) {
 
 TEST(ChainMoments, SettleAtTheStationaryValues) {
   for (const PlatoonModel& model : {with_bursts(0.1, 2.0, {1.0}), with_bursts(0.1, 1.5, {2.0, -1.0})}) {
-    const ErrorMoments moments = chain_error_moments(model, 4, 400);
+    const SignalMoments moments = chain_error_moments(model, 4, 400);
     const std::vector<double> variance = stationary_variances(model, 4), mean = stationary_means(model, 4);
     for (std::size_t i = 1; i <= 4; ++i) {
       EXPECT_NEAR(moments.variance_at(i, 399) / variance[i - 1], 1.0, 1e-10);
@@ -68,7 +68,7 @@ TEST(ChainMoments, SettleAtTheStationaryValues) {
 TEST(ChainMoments, BeginWithTheStationaryChain) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().position().link.loss = LossModel{0.3, 4.0, {1.0}};
-  const ErrorMoments moments = chain_error_moments(model, 1, 2);
+  const SignalMoments moments = chain_error_moments(model, 1, 2);
   EXPECT_EQ(moments.variance_at(1, 0), 0.0);
   PlatoonModel without = paper_platoon();
   EXPECT_NEAR(moments.variance_at(1, 1), 0.7 * error_moments(without, 1, 2).variance_at(1, 1), 1e-14);
@@ -79,9 +79,9 @@ TEST(ChainMoments, KeepTheirDigitsWhereTheInitialPositionsResponseCrossesZero) {
   PlatoonModel model = paper_platoon(1000.0);
   model.default_vehicle().initial_position.variance = 0.5;
   model.default_vehicle().position().link.delay = 60;
-  const ErrorMoments expected = linked_error_moments(model, 1, 60);
+  const SignalMoments expected = linked_error_moments(model, 1, 60);
   model.default_vehicle().position().link.loss = LossModel{1e-14, 1e4, {1.0}};
-  const ErrorMoments found = chain_error_moments(model, 1, 60);
+  const SignalMoments found = chain_error_moments(model, 1, 60);
   for (std::int64_t k = 0; k < 60; ++k)
     EXPECT_NEAR(found.variance_at(1, k) / expected.variance_at(1, k), 1.0, 1e-12) << k;
 }

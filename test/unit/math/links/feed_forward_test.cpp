@@ -104,7 +104,7 @@ TEST(FeedForward, SettlesAtTheStationaryVariancesBehindUnlikePlants) {
       if (loss > 0.0) lose_inputs(model, loss, {1.0});
       constexpr std::size_t kFollowers = 7;
       const std::vector<double> stationary = stationary_variances(model, kFollowers);
-      const ErrorMoments moments = error_moments(model, kFollowers, 6000);
+      const SignalMoments moments = error_moments(model, kFollowers, 6000);
       for (std::size_t i = 1; i <= kFollowers; ++i)
         EXPECT_NEAR(moments.variance_at(i, 5999) / stationary[i - 1], 1.0, 1e-9) << i << " " << lag << " " << loss;
       const StringStability verdict = string_stability(model);
@@ -122,7 +122,7 @@ TEST(FeedForward, SettlesAtTheStationaryVariances) {
         if (humans) add_human_drivers(model);
         constexpr std::size_t kFollowers = 5;
         const std::vector<double> stationary = stationary_variances(model, kFollowers);
-        const ErrorMoments moments = error_moments(model, kFollowers, 6000);
+        const SignalMoments moments = error_moments(model, kFollowers, 6000);
         for (std::size_t i = 1; i <= kFollowers; ++i) {
           EXPECT_NEAR(moments.variance_at(i, 5999) / stationary[i - 1], 1.0, 1e-9) << i << " " << loss << humans;
         }
@@ -174,8 +174,8 @@ TEST(FeedForward, AgreesWithAMonteCarlo) {
     if (loss > 0.0) lose_inputs(model, loss, {1.0});
     add_human_drivers(model);
     std::vector<double> cumulants;
-    const ErrorMoments theory = loss > 0.0 ? linked_error_moments(model, kFollowers, kSteps, &cumulants)
-                                           : error_moments(model, kFollowers, kSteps);
+    const SignalMoments theory = loss > 0.0 ? linked_error_moments(model, kFollowers, kSteps, &cumulants)
+                                            : error_moments(model, kFollowers, kSteps);
     const EnsembleTotals measured = monte_carlo(model, {7, kFollowers, kSteps, 500}, 4000, 2);
     std::vector<double> fourth;
     for (std::size_t c = 0; c < cumulants.size(); ++c)
@@ -187,7 +187,7 @@ TEST(FeedForward, AgreesWithAMonteCarlo) {
 
 TEST(FeedForward, LeavesNoErrorAtConstantSpeed) {
   PlatoonModel model = radio_platoon(0.5, 0.0, 0.0);
-  const ErrorMoments moments = error_moments(model, 3, 8000);
+  const SignalMoments moments = error_moments(model, 3, 8000);
   for (std::size_t i = 1; i <= 3; ++i) EXPECT_NEAR(moments.mean_at(i, 7999), 0.0, 1e-9);
 }
 

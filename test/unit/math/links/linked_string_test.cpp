@@ -21,7 +21,7 @@ namespace {
 TEST(LinkedString, WithoutLossesHasTheErrorsOfThePaper) {
   for (const double headway : {2.4, 3.2}) {
     const PlatoonModel model = paper_platoon(headway);
-    const ErrorMoments expected = error_moments(model, 5, 40), found = linked_error_moments(model, 5, 40);
+    const SignalMoments expected = error_moments(model, 5, 40), found = linked_error_moments(model, 5, 40);
     for (std::size_t c = 0; c < expected.variance.size(); ++c) {
       EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
       EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-11);
@@ -38,7 +38,7 @@ TEST(LinkedString, OfEqualTypesIsHomogeneous) {
   const StringStability one = string_stability(model), other = string_stability(patterned);
   EXPECT_NEAR(*other.loss_gain, *one.loss_gain, 1e-10);
   EXPECT_NEAR(*other.limit_variance / *one.limit_variance, 1.0, 1e-9);
-  const ErrorMoments expected = linked_error_moments(model, 7, 30), found = linked_error_moments(patterned, 7, 30);
+  const SignalMoments expected = linked_error_moments(model, 7, 30), found = linked_error_moments(patterned, 7, 30);
   for (std::size_t c = 0; c < expected.variance.size(); ++c)
     EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-12 * expected.variance.back());
 }
@@ -150,7 +150,7 @@ TEST(LinkedString, MayHaveAnyDelay) {
     model.default_vehicle().position().link.delay = delay;
     const std::vector<double> stationary = stationary_variances(model, 3);
     model.default_vehicle().initial_position = {};
-    const ErrorMoments table = linked_error_moments(model, 3, 400 + 4 * delay);
+    const SignalMoments table = linked_error_moments(model, 3, 400 + 4 * delay);
     for (std::size_t i = 1; i <= 3; ++i)
       EXPECT_NEAR(table.variance_at(i, table.steps - 1) / stationary[i - 1], 1.0, 1e-10) << delay << " " << i;
   }
@@ -198,7 +198,7 @@ TEST(LinkedErrorMoments, HaveTheFourthCumulantsOfRareLosses) {
   model.default_vehicle().position().noise_variance = 0.0;
   for (std::size_t k = 0; k <= kSteps; ++k) model.recorded_leader.push_back(static_cast<double>(k));
   std::vector<double> cumulants;
-  const ErrorMoments moments = linked_error_moments(model, 2, kSteps, &cumulants);
+  const SignalMoments moments = linked_error_moments(model, 2, kSteps, &cumulants);
   std::vector<double> variance(2 * kSteps, 0.0), fourth(2 * kSteps, 0.0);
   for (unsigned pattern = 0; pattern < 1U << (2 * kSteps); ++pattern) {
     const double lost = __builtin_popcount(pattern);

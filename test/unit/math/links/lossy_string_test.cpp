@@ -203,12 +203,12 @@ TEST(LossyString, OfAnyChainIsWhatItsTablesSettleAt) {
                                 by_states(pairs, Eigen::Vector4d(0.1, 0.5, 0.7, 0.9), {1.0})}) {
     const PlatoonModel model = lossy_platoon(loss);
     const std::vector<double> stationary = stationary_variances(model, 3);
-    const ErrorMoments moments = chain_error_moments(model, 3, 700);
+    const SignalMoments moments = chain_error_moments(model, 3, 700);
     for (std::size_t i = 1; i <= 3; ++i) EXPECT_NEAR(moments.variance_at(i, 699) / stationary[i - 1], 1.0, 1e-11) << i;
     PlatoonModel radios = lossy_radios(loss);
     radios.default_vehicle().position().link.loss = LossModel{0.1, 2.0, {1.0}};
     const std::vector<double> of_radios = stationary_variances(radios, 2);
-    const ErrorMoments table = chain_error_moments(radios, 2, 500);
+    const SignalMoments table = chain_error_moments(radios, 2, 500);
     for (std::size_t i = 1; i <= 2; ++i) EXPECT_NEAR(table.variance_at(i, 499) / of_radios[i - 1], 1.0, 1e-11) << i;
   }
 }

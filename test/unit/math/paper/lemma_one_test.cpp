@@ -16,8 +16,8 @@ namespace {
 TEST(LemmaOne, AgreesWithTheMomentsFromStructure) {
   for (const ExampleLoop& example : example_loops()) {
     const PlatoonModel model = model_with(example.loop, example.headway);
-    const ErrorMoments structure = error_moments(model, 4, 60);
-    const ErrorMoments dense = error_moments_by_lemma_one(model, 4, 60);
+    const SignalMoments structure = error_moments(model, 4, 60);
+    const SignalMoments dense = error_moments_by_lemma_one(model, 4, 60);
     double scale = 0.0;
     for (const double mean : dense.mean) scale = std::max(scale, std::abs(mean));
     for (std::size_t at = 0; at < dense.mean.size(); ++at) {

@@ -18,7 +18,7 @@ TEST(Norms, OfASequenceHaveAClosedForm) {
 }
 
 TEST(Norms, AreTakenPerFollower) {
-  const ErrorMoments moments{2, 2, {1.0, -1.0, 2.0, 0.0}, {0.5, 0.25, 1.0, 2.0}};
+  const SignalMoments moments{2, 2, {1.0, -1.0, 2.0, 0.0}, {0.5, 0.25, 1.0, 2.0}};
   const ErrorNorms norms = error_norms(moments, NormOrder::kOne, NormOrder::kInfinity);
   EXPECT_EQ(norms.mean, (std::vector<double>{2.0, 2.0}));
   EXPECT_EQ(norms.variance, (std::vector<double>{0.5, 2.0}));

@@ -44,7 +44,7 @@ TEST(MonteCarlo, AgreesWithTheory) {
   for (const double headway : {3.2, 2.4}) {
     const PlatoonModel model = eventful_platoon(headway);
     const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
-    const ErrorMoments theory = error_moments(model, 5, 40);
+    const SignalMoments theory = error_moments(model, 5, 40);
     const Agreement found = agreement_of(table.moments.totals(), theory.mean, theory.variance);
     const double bound = largest_plausible_score(2 * theory.mean.size());
     EXPECT_LT(found.max_abs_z_mean, bound) << headway;
@@ -57,7 +57,7 @@ TEST(MonteCarlo, DisagreesWithATheoryThatIsAFewPercentOff) {
   PlatoonModel model = eventful_platoon(3.2);
   const EnsembleTotals table = monte_carlo(model, {1, 5, 40, 1000}, 8000, 2);
   model.default_vehicle().position().noise_variance *= 1.08;
-  const ErrorMoments theory = error_moments(model, 5, 40);
+  const SignalMoments theory = error_moments(model, 5, 40);
   EXPECT_GT(agreement_of(table.moments.totals(), theory.mean, theory.variance).max_abs_z_variance,
             largest_plausible_score(2 * theory.mean.size()));
 }

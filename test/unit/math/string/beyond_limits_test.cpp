@@ -34,7 +34,7 @@ PlatoonModel steady_platoon(double radar, double radio) {
 // The theory's means are the motion without noise.
 void expect_means(PlatoonModel model) {
   const std::vector<SignalMoments> theory = signal_moments(model, kNames, kFollowers, kSteps);
-  const ErrorMoments errors = error_moments(model, kFollowers, kSteps);
+  const SignalMoments errors = error_moments(model, kFollowers, kSteps);
   for (VehicleType& type : model.types) {
     type.vehicle.position().noise_variance = 0.0;
     if (type.vehicle.radio()) type.vehicle.radio()->noise_variance = 0.0;

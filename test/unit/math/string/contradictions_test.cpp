@@ -26,7 +26,7 @@ struct Figures {
   PlatoonModel model;
   StringStability verdict;
   std::vector<double> stationary;
-  ErrorMoments moments;
+  SignalMoments moments;
 };
 
 TEST(Contradictions, AreNoneInAnyTheory) {

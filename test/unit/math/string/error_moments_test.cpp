@@ -60,7 +60,7 @@ TEST(ErrorMoments, HaveTheMeanOfVehiclesWithoutNoise) {
     }
     const std::vector<double> errors =
         run_string(model, kFollowers, kSteps, places, std::vector<double>(kFollowers * kSteps, 0.0));
-    const ErrorMoments moments = error_moments(model, kFollowers, kSteps);
+    const SignalMoments moments = error_moments(model, kFollowers, kSteps);
     const double scale = largest(errors);
     for (std::size_t at = 0; at < errors.size(); ++at) {
       EXPECT_NEAR(moments.mean[at], errors[at], 1e-10 * scale) << example.name << " at " << at;
@@ -90,7 +90,7 @@ TEST(ErrorMoments, HaveTheVarianceOfTheSquaredUnitResponses) {
                     model.default_vehicle().position().noise_variance);
       }
     }
-    const ErrorMoments moments = error_moments(model, kFollowers, kSteps);
+    const SignalMoments moments = error_moments(model, kFollowers, kSteps);
     for (std::size_t at = 0; at < variance.size(); ++at) {
       EXPECT_NEAR(moments.variance[at], variance[at], 1e-12 * variance[at]) << example.name << " at " << at;
     }
@@ -99,7 +99,7 @@ TEST(ErrorMoments, HaveTheVarianceOfTheSquaredUnitResponses) {
 
 TEST(ErrorMoments, HaveAClosedFormAtTheFirstStep) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
-  const ErrorMoments moments = error_moments(model, 2, 1);
+  const SignalMoments moments = error_moments(model, 2, 1);
   const double b = model.default_vehicle().loop.realization.c() * model.default_vehicle().loop.realization.a() *
                    unit_equilibrium(model.default_vehicle().loop.realization);  // y(0) of a vehicle at 1 with input 0
   EXPECT_NEAR(moments.mean_at(1, 0), -0.8 * (4.2 * b - 3.2), 1e-14);
@@ -114,7 +114,7 @@ TEST(ErrorMoments, OfTheLeaderVanishAfterTheLastChangeOfSpeed) {
 
 TEST(ErrorMoments, DoNotDependOnTheStandstillDistance) {
   PlatoonModel model = model_with(paper_loop(3.2), 3.2);
-  const ErrorMoments far = error_moments(model, 3, 20);
+  const SignalMoments far = error_moments(model, 3, 20);
   model.default_vehicle().standstill_distance = 0.0;
   EXPECT_EQ(far.mean, error_moments(model, 3, 20).mean);
 }
@@ -169,7 +169,7 @@ TEST(ErrorMoments, KeepTheirDigitsAtFastSampling) {
   const ExactPolynomial fed_back = multiply(g, {Exact(1) + Exact(h), -Exact(h)});
   for (std::size_t i = 0; i < fed_back.size(); ++i) d[d.size() - fed_back.size() + i] += fed_back[i];
   const std::vector<double> expected = exact_first_error(n, d, h, 13.75 * 0.001, 200);
-  const ErrorMoments found = error_moments(model, 1, 200);
+  const SignalMoments found = error_moments(model, 1, 200);
   for (std::size_t k = 0; k < 200; ++k) EXPECT_NEAR(found.mean[k], expected[k], 1e-13) << k;
 }
 

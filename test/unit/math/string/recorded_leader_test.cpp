@@ -22,9 +22,9 @@ TEST(RecordedLeader, OfTheModelHasTheMeansOfItsTheory) {
   PlatoonModel model = paper_platoon();
   model.default_vehicle().standstill_distance = 5.0;
   model.default_vehicle().initial_position = {0.7, 0.4};
-  const ErrorMoments expected = error_moments(model, 6, 80);
+  const SignalMoments expected = error_moments(model, 6, 80);
   model.recorded_leader = own_leader(model, 80);
-  const ErrorMoments found = error_moments(model, 6, 80);
+  const SignalMoments found = error_moments(model, 6, 80);
   ASSERT_EQ(found.mean.size(), expected.mean.size());
   for (std::size_t c = 0; c < found.mean.size(); ++c) {
     EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-11) << c;  // the recorded positions, up to 160 m, are rounded

@@ -36,7 +36,7 @@ std::vector<double> run(const PlatoonModel& model, std::size_t followers, std::s
 
 /// The largest rounding error over its bound.
 double share_of_bound(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
-  const ErrorMoments moments = error_moments(model, followers, static_cast<std::int64_t>(steps));
+  const SignalMoments moments = error_moments(model, followers, static_cast<std::int64_t>(steps));
   const std::vector<double> bounds = rounding_bounds(model, moments);
   const std::vector<double> errors = run(model, followers, steps);
   double largest = 0.0;

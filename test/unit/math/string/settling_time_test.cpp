@@ -16,7 +16,7 @@ namespace {
 void expect_settled(const PlatoonModel& model, std::size_t followers, const std::string& name) {
   const std::optional<std::int64_t> steps = settling_steps(model, followers);
   ASSERT_TRUE(steps) << name;
-  const ErrorMoments moments = error_moments(model, followers, *steps + 1);
+  const SignalMoments moments = error_moments(model, followers, *steps + 1);
   const double stationary = stationary_variances(model, followers).back();
   EXPECT_NEAR(moments.variance.back(), stationary, 1e-5 * stationary) << name << ", " << *steps << " steps";
   double largest = 0.0;

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "unit/math/radio_cars.hpp"
 #include "unit/paper_platoon.hpp"
@@ -78,7 +80,7 @@ TEST(SignalMoments, AgreeWithTheErrorsInTheirMeans) {
   patterned.types[1].vehicle.length = 12.0;
   for (const PlatoonModel& one : {model, patterned}) {
     const std::vector<SignalMoments> found = signal_moments(one, {"gap", "speed"}, 7, 90);
-    const ErrorMoments errors = error_moments(one, 7, 90);
+    const SignalMoments errors = error_moments(one, 7, 90);
     for (std::size_t cell = 0; cell < errors.mean.size(); ++cell) {
       const std::size_t i = cell / 90 + 1;
       const VehicleModel& own = vehicle(one, i);
@@ -106,11 +108,73 @@ TEST(SignalMoments, RejectModelsWithoutTheory) {
   EXPECT_THROW(signal_moments(model, {"distance"}, 1, 1), std::invalid_argument);
   EXPECT_THROW(signal_moments(model, kAll, 0, 1), std::invalid_argument);
   EXPECT_THROW(signal_moments(model, kAll, 1, 0), std::invalid_argument);
-  model.default_vehicle().position().link.quantisation_step = 0.1;
-  EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument);
+  model.default_vehicle().position().link.loss = LossModel{0.5, 1.0, {1.0}};
+  EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument) << "losses and arrivals alternate";
   model = paper_platoon();
-  model.default_vehicle().position().link.loss = LossModel{0.1, {}, {1.0}};
-  EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument);
+  model.default_vehicle().limits.input = Interval{-8.0, 3.0};
+  EXPECT_THROW(signal_moments(model, kAll, 1, 1), std::invalid_argument) << "limits";
+}
+
+// Dither is a white noise of variance D^2 / 12.
+TEST(SignalMoments, OfQuantisedPositionsAreThoseOfMoreNoise) {
+  PlatoonModel model = eventful_platoon(3.2), noisy = model;
+  model.default_vehicle().position().link.quantisation_step = 0.6;
+  noisy.default_vehicle().position().noise_variance += 0.6 * 0.6 / 12.0;
+  const std::vector<SignalMoments> expected = signal_moments(noisy, kAll, 4, 30),
+                                   found = signal_moments(model, kAll, 4, 30);
+  for (std::size_t s = 0; s < kAll.size(); ++s) {
+    for (std::size_t cell = 0; cell < expected[s].mean.size(); ++cell) {
+      EXPECT_EQ(found[s].mean[cell], expected[s].mean[cell]);
+      EXPECT_NEAR(found[s].variance[cell], expected[s].variance[cell], 1e-14 * expected[s].variance[cell]);
+    }
+  }
+}
+
+// Both theories of losses, and behind losses that never come that of none.
+TEST(SignalMoments, OfLossesAreThoseOfEitherTheory) {
+  constexpr std::size_t kFollowers = 4;
+  constexpr std::int64_t kSteps = 60;
+  for (const double q : {0.2, 1e-300}) {
+    PlatoonModel model = eventful_platoon(3.2);
+    model.default_vehicle().length = 4.0;
+    model.default_vehicle().position().link.loss = LossModel{q, {}, {1.5, -0.8, 0.3}};
+    const SignalLists signals = signal_lists(model, kAll, kFollowers);
+    const std::vector<SignalMoments> found = signal_moments(model, kAll, kFollowers, kSteps),
+                                     of_chain = chain_moments(model, signals, kSteps);
+    PlatoonModel without = model;
+    without.default_vehicle().position().link.loss.reset();
+    const std::vector<SignalMoments> of_none = signal_moments(without, kAll, kFollowers, kSteps);
+    for (std::size_t s = 0; s < kAll.size(); ++s) {
+      const double largest = *std::max_element(found[s].variance.begin(), found[s].variance.end());
+      ASSERT_GT(largest, 0.0);
+      for (std::size_t cell = 0; cell < found[s].mean.size(); ++cell) {
+        EXPECT_NEAR(of_chain[s].mean[cell], found[s].mean[cell], 1e-9) << kAll[s] << cell;
+        EXPECT_NEAR(of_chain[s].variance[cell], found[s].variance[cell], 1e-11 * largest) << kAll[s] << cell;
+        if (q > 0.1) continue;
+        EXPECT_NEAR(of_none[s].mean[cell], found[s].mean[cell], 1e-9) << kAll[s] << cell;
+        EXPECT_NEAR(of_none[s].variance[cell], found[s].variance[cell], 1e-12 * largest) << kAll[s] << cell;
+      }
+    }
+  }
+}
+
+// Packets of a string that hears others, from a steady start: the values that a moving start adds.
+TEST(SignalMoments, OfASteadyStartContainItsMotion) {
+  PlatoonModel model = radio_platoon(0.7, 0.01, 0.02);
+  model.start = Start::steady;
+  model.default_vehicle().standstill_distance = 6.0;
+  model.default_vehicle().length = 4.0;
+  model.default_vehicle().position().link.delay = 1;
+  model.default_vehicle().position().link.loss = LossModel{0.1, 3.0, {1.0}};
+  const std::vector<std::string> names{"gap", "speed", "input"};
+  const std::vector<SignalMoments> found = signal_moments(model, names, 2, 3);
+  const double speed = model.leader.speed(0), headway = model.default_vehicle().headway * model.sample_period;
+  for (std::size_t follower : {1, 2}) {
+    const std::size_t first = (follower - 1) * 3;
+    EXPECT_NEAR(found[0].mean[first], 2.0 + speed * (headway + model.sample_period), 1e-12);
+    EXPECT_NEAR(found[1].mean[first], speed, 1e-12);
+    EXPECT_NEAR(found[2].mean[first], 0.0, 1e-12);
+  }
 }
 
 }  // namespace

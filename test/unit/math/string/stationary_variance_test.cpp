@@ -65,7 +65,7 @@ TEST(StationaryVariance, EqualsTheVarianceAfterManySteps) {
     model.default_vehicle().initial_position = {0.0, 0.0};
     const double rho = spectral_radius(model.default_vehicle().loop.realization);
     const auto steps = static_cast<std::int64_t>(200.0 + 60.0 / (1.0 - rho));
-    const ErrorMoments moments = error_moments(model, 3, steps);
+    const SignalMoments moments = error_moments(model, 3, steps);
     const std::vector<double> variances = stationary_variances(model, 3);
     for (std::size_t i = 1; i <= 3; ++i) {
       const double settled = moments.variance_at(i, steps - 1);

@@ -218,17 +218,20 @@ TEST(Analysis, HasNoSignalsUnlessRequested) {
   EXPECT_FALSE(document.contains("amplification"));
 }
 
-TEST(Analysis, HasNoSignalsIfErrorsAreNotNormal) {
+TEST(Analysis, HasSignalsButNoCollisionsIfGapsAreNotNormal) {
   for (const bool in_bursts : {false, true}) {
     PlatoonModel model = model_at(3.2);
     model.default_vehicle().position().link.loss = LossModel{0.1, {}, {1.0}};
     if (in_bursts) model.default_vehicle().position().link.loss->mean_burst = 3.0;
     const Analyzed analyzed(model, 2, 5, {{"gap", "speed"}, 1e-6});
     const nlohmann::json document = analyzed.json();
-    EXPECT_TRUE(document.at("signals").is_null());
-    EXPECT_TRUE(document.at("amplification").is_null());
+    for (const char* name : {"gap", "speed"}) {
+      const nlohmann::json& of = document.at("signals").at(name);
+      EXPECT_GT(of.at("variance").at(1).at(4), 0.0) << name;
+      EXPECT_GT(of.at("stationary_variance").at(1), of.at("variance").at(1).at(4)) << name;
+    }
     EXPECT_TRUE(document.at("collision").is_null());
-    EXPECT_TRUE(contains(analyzed.text(), "measured only, as errors are not normal"));
+    EXPECT_TRUE(contains(analyzed.text(), "Collisions: measured only, as gaps are not normal"));
   }
 }
 

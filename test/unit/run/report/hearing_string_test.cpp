@@ -50,7 +50,7 @@ TEST(HearingString, HasTablesThatSettleToTheStationaryValues) {
   for (const char* text : {kPath, kTwoAhead, kLeaderShare}) {
     const PlatoonModel model = hearing_model(text);
     constexpr std::int64_t kSteps = 3000;
-    const ErrorMoments table = error_moments(model, 6, kSteps);
+    const SignalMoments table = error_moments(model, 6, kSteps);
     const std::vector<double> settled = stationary_variances(model, 6), means = stationary_means(model, 6);
     for (std::size_t i = 1; i <= 6; ++i) {
       EXPECT_NEAR(table.variance_at(i, kSteps - 1) / settled[i - 1], 1.0, 1e-9) << text << i;

@@ -54,7 +54,7 @@ PlatoonModel without_losses(PlatoonModel model) {
 TEST(HearingTables, OfTheCovarianceEqualThoseOfTheResponsesWithoutLosses) {
   for (const PlatoonModel& model : {without_losses(all_kinds("rest")), without_losses(all_kinds("steady")),
                                     hearing_model(kPath), hearing_model(kLeaderShare)}) {
-    const ErrorMoments expected = error_moments(model, 6, 50), found = chain_error_moments(model, 6, 50);
+    const SignalMoments expected = error_moments(model, 6, 50), found = chain_error_moments(model, 6, 50);
     for (std::size_t c = 0; c < expected.mean.size(); ++c) {
       EXPECT_NEAR(found.mean[c], expected.mean[c], 1e-9) << c;
       EXPECT_NEAR(found.variance[c], expected.variance[c], 1e-11 * expected.variance[c] + 1e-30) << c;
@@ -68,7 +68,7 @@ TEST(HearingTables, SettleToTheStationaryValuesBehindLosses) {
         hearing_model(packet("{probability: 0.15, mean_burst: 4, on_loss: hold}") + "\nstart: steady")}) {
     constexpr std::int64_t kSteps = 350;
     const std::size_t followers = 2;
-    const ErrorMoments table = chain_error_moments(model, followers, kSteps);
+    const SignalMoments table = chain_error_moments(model, followers, kSteps);
     const std::vector<double> settled = stationary_variances(model, followers),
                               means = stationary_means(model, followers);
     for (std::size_t i = 1; i <= followers; ++i) {
@@ -84,7 +84,7 @@ TEST(HearingTables, AreThoseOfTheSimulation) {
     const PlatoonModel model = all_kinds(start);
     constexpr std::size_t kFollowers = 6;
     constexpr std::int64_t kSteps = 40;
-    const ErrorMoments expected = chain_error_moments(model, kFollowers, kSteps);
+    const SignalMoments expected = chain_error_moments(model, kFollowers, kSteps);
     constexpr std::uint64_t kRealizations = 20000;
     const EnsembleTotals totals = monte_carlo(model, {5, kFollowers, kSteps, 500}, kRealizations, 2);
     const std::vector<Moments> measured = totals.moments.totals();

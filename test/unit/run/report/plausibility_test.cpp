@@ -101,6 +101,20 @@ TEST_F(PlausibilityTest, TheAccelerationIsThatOfTheWorstStep) {
   EXPECT_TRUE(contains(found[0], "the car reverses"));
 }
 
+TEST_F(PlausibilityTest, LossesAddToTheAcceleration) {
+  configuration_ = paper_run("");
+  configuration_.run.followers = 5;
+  configuration_.run.steps = 60;
+  const std::vector<std::string> without = warnings();
+  for (const double burst : {1.25, 4.0}) {
+    configuration_.model.default_vehicle().position().link.loss = LossModel{0.2, burst, {1.0}};
+    const std::vector<std::string> found = warnings();
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_TRUE(contains(found[1], "acceleration: |mean| + 2.58 sigma = ")) << found[1];
+    EXPECT_NE(found[1], without.at(1));
+  }
+}
+
 TEST_F(PlausibilityTest, MeasuredMotionIsJudgedLikeThatOfTheTheory) {
   const PlatoonModel& model = configuration_.model;
   EXPECT_TRUE(motion_warnings(model, {{"acceleration", {9.9, -5.0}, {0.0, 1.0}}, {"jerk", {1e6}, {0.0}}}, 2).empty());

@@ -18,7 +18,7 @@ protected:
 
 TEST_F(PredictionTest, HasTheTheoryOfEveryCell) {
   const Prediction prediction = predict(configuration_);
-  const ErrorMoments moments = error_moments(configuration_.model, 2, 3);
+  const SignalMoments moments = error_moments(configuration_.model, 2, 3);
   EXPECT_EQ(prediction.mean, moments.mean);
   EXPECT_EQ(prediction.variance, moments.variance);
   ASSERT_EQ(prediction.stationary_variance.size(), 2u);

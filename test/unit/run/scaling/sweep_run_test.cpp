@@ -64,7 +64,7 @@ TEST(Sweep, HasARowPerPointAndFollowerOfMeasurementAndTheory) {
   for (std::uint64_t point = 0; point < 4; ++point) {
     const Configuration configuration = sweep.configuration(point);
     const std::vector<Moments> expected = monte_carlo(configuration.model, {1, 2, 5, 512}, 2000).moments.totals();
-    const ErrorMoments theory = error_moments(configuration.model, 2, 5);
+    const SignalMoments theory = error_moments(configuration.model, 2, 5);
     for (std::size_t vehicle = 1; vehicle <= 2; ++vehicle) {
       const std::vector<std::string>& row = table[1 + 2 * point + vehicle - 1];
       const std::size_t c = cell(vehicle, 4, 5);
