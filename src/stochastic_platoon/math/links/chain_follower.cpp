@@ -85,8 +85,11 @@ ChainFollower::ChainFollower(const PlatoonModel& model, std::size_t follower, Ei
                       is_position ? 0 : 1,
                       plain ? 1.0L : static_cast<long double>(input.gain),
                       is_position ? slope_ : 0.0L,
+                      0.0L,
                       {}});
     if (input.link.loses()) heard_.back().losses.emplace(*input.link.loss);
+    if (input.link.loses() && input.link.loss->predictor.empty() && input.signal == InputSignal::speed)
+      heard_.back().level = slope_ / static_cast<long double>(model.sample_period);
     packets_[model_.losses_of(n)].push_back(n);
     kinds_ = std::max(kinds_, heard_.back().kind + 1);
   }
@@ -164,7 +167,7 @@ void ChainFollower::add_packet(const std::vector<std::size_t>& packet, const std
   for (Eigen::Index a = 0; a * count_ < size; ++a) {
     const std::size_t j = packet[static_cast<std::size_t>(a)];
     slopes.push_back(heard_[j].slope);
-    moments.mean.segment(a * count_, count_) = all[j].mean;
+    moments.mean.segment(a * count_, count_) = all[j].mean.array() + heard_[j].level;
     for (Eigen::Index b = 0; b * count_ < size; ++b) {
       const std::size_t l = packet[static_cast<std::size_t>(b)];
       moments.covariance.block(a * count_, b * count_, count_, count_) = covariance(j, l, all, ahead);
@@ -176,7 +179,8 @@ void ChainFollower::add_packet(const std::vector<std::size_t>& packet, const std
     const std::size_t j = packet[static_cast<std::size_t>(a)];
     const Heard& heard = heard_[j];
     const Eigen::Index at = heard.kind * count_;
-    used.own.mean.segment(at, count_) += heard.weight * moments.mean.segment(a * count_, count_);
+    used.own.mean.segment(at, count_).array() +=
+        heard.weight * (moments.mean.segment(a * count_, count_).array() - heard.level);
     used.with_ahead.middleRows(at, count_) += heard.weight * heard.on_average(all[j].with_ahead);
     for (Eigen::Index b = 0; b * count_ < size; ++b) {
       const std::size_t l = packet[static_cast<std::size_t>(b)];

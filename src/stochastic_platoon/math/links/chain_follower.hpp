@@ -78,6 +78,8 @@ private:
     Eigen::Index kind;   ///< of what the vehicle uses: 0 positions, 1 all others
     long double weight;
     long double slope;  ///< of what is sent
+    /// What is sent in the steady motion before step -1, where a loss replaces it by 0; else 0.
+    long double level;
     std::optional<LossRecursion> losses;
 
     Matrix on_average(const Matrix& columns) const { return losses ? losses->on_average(columns) : columns; }

@@ -18,7 +18,8 @@
 namespace platoon {
 namespace {
 
-// Positions of two vehicles, all signals, a packet, losses of three kinds, coloured noise, quantisation, unlike cars.
+// Positions of two vehicles, all signals, packets, losses of three kinds, a speed that is 0 if lost, coloured noise,
+// quantisation, unlike cars.
 const std::string kAllKinds = R"(
 sample_period: 0.1
 time_headway: 7
@@ -32,7 +33,7 @@ inputs:
   - {signal: position, from: 3, weight: 0.3, noise_variance: 0.05, channel: {noise_filter: {numerator: [1.0], denominator: [1.0, -0.5]}}}
   - {signal: speed, from: leader, gain: 0.1, noise_variance: 0.03, channel: {packet: a, loss: {probability: 0.2, mean_burst: 3}}}
   - {signal: acceleration, from: leader, gain: 0.1, noise_variance: 0.03, channel: {packet: a, delay: 1}}
-  - {signal: speed, gain: 0.2, noise_variance: 0.02, channel: {packet: b, loss: {markov: {transition: [[0.9, 0.1], [0.3, 0.7]], probability: [0.02, 0.7]}, on_loss: hold}}}
+  - {signal: speed, gain: 0.2, noise_variance: 0.02, channel: {packet: b, loss: {markov: {transition: [[0.9, 0.1], [0.3, 0.7]], probability: [0.02, 0.7]}, on_loss: zero}}}
   - {signal: acceleration, gain: 0.1, noise_variance: 0.03, channel: {packet: b}}
 vehicle_types:
   truck: {time_headway: 9, standstill_distance: 5.0, plant: {actuator_lag: 0.5}}
@@ -66,7 +67,7 @@ TEST(HearingTables, SettleToTheStationaryValuesBehindLosses) {
   for (const PlatoonModel& model :
        {all_kinds("steady", ""),
         hearing_model(packet("{probability: 0.15, mean_burst: 4, on_loss: hold}") + "\nstart: steady")}) {
-    constexpr std::int64_t kSteps = 350;
+    constexpr std::int64_t kSteps = 500;
     const std::size_t followers = 2;
     const SignalMoments table = chain_error_moments(model, followers, kSteps);
     const std::vector<double> settled = stationary_variances(model, followers),
