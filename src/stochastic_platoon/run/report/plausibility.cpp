@@ -18,7 +18,8 @@ namespace {
 constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;  // [s]
 constexpr double kOneInAHundred = 2.58;                            // standard deviations, both tails
 constexpr std::size_t kMostTheory = 100'000;                       // of the theory that is computed for warnings
-constexpr std::size_t kMostLossyTheory = 10'000;                   // the same where links lose
+constexpr std::size_t kMostLossyTheory = 2'000;                    // the same where links lose
+constexpr double kShareOfTime = 0.003;                             // of half a minute, of chain_moments()
 
 double fastest_of_leader(const PlatoonModel& model) {
   double fastest = 0.0;
@@ -132,7 +133,8 @@ std::vector<std::string> plausibility_warnings(const Configuration& configuratio
   const std::size_t most_theory = loses(model) ? kMostLossyTheory : kMostTheory;
   const std::size_t followers =
       std::min(run.followers, std::max<std::size_t>(most_theory / static_cast<std::size_t>(steps), 1));
-  if (needs_chain_moments(model)) steps = std::clamp<std::int64_t>(most_chain_steps(model, followers, 0.01), 1, steps);
+  if (needs_chain_moments(model))
+    steps = std::clamp<std::int64_t>(most_chain_steps(model, followers, kShareOfTime), 1, steps);
   try {
     const std::vector<std::string> names{"speed", "acceleration"};
     std::vector<SignalFigures> figures;

@@ -21,8 +21,8 @@ constexpr double kReversing = -0.1;   ///< [m/s]: slower is backwards, beyond th
 /// - an acceleration with |mean| + 2.58 sigma above 10 m/s^2 at any step, which one realization in a hundred exceeds,
 /// - a speed with mean - 2.58 sigma below -0.1 m/s: the vehicle reverses.
 ///
-/// Accelerations and speeds come from the theory, for as many of the first followers as it takes milliseconds; without
-/// a theory of signals they are left out, see motion_warnings().
+/// Accelerations and speeds come from the theory, for as many of the first followers, and behind losses with memory of
+/// the first steps, as it takes milliseconds; without a theory they are left out, see motion_warnings().
 std::vector<std::string> plausibility_warnings(const Configuration& configuration);
 
 /// Mean and variance of a signal at every (i, k), see cell().
