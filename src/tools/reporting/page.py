@@ -101,7 +101,9 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
     theory, agreement = run.summary["theory"], run.summary["agreement"]
     kinds = {None: "open", True: "good", False: "bad"}
     parts = [badge(style.verdict(run.string_stable), kinds[run.string_stable])]
-    parts.append(badge("complete, undamaged, in agreement", "good") if not problems and run.max_abs_z is not None
+    means_only = agreement["max_abs_z_variance"] is None
+    agreeing = "complete, undamaged, {}in agreement".format("means " if means_only else "")
+    parts.append(badge(agreeing, "good") if not problems and run.max_abs_z is not None
                  else badge("complete and undamaged, not compared with a theory", "open") if not problems else badge("check failed", "bad"))
     collisions = collisions_of(run)
     if collisions is not None:
@@ -109,9 +111,10 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
                      else badge("collisions: in none of {} realizations".format(collisions[1]), "good"))
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
     if run.max_abs_z is not None:
-        text += "\n<p>Measurement and theory: {}. Over all followers and steps the largest |z| is {} of the mean and {} of " \
-                "the variance; chance alone exceeds {} at most once in 1000 runs.</p>".format(
-                    MEANING_OF_Z, *(number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z")))
+        of_mean, of_variance, plausible = (number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z"))
+        text += "\n<p>Measurement and theory: {}. Over all followers and steps the largest |z| is {} of the mean{}; chance alone exceeds " \
+                "{} at most once in 1000 runs.</p>".format(
+                    MEANING_OF_Z, of_mean, "" if means_only else " and {} of the variance".format(of_variance), plausible)
     return "\n".join([text, *("<p>{} {}</p>".format(badge("check", "bad"), escaped(problem)) for problem in problems),
                       *(warning("Warning: " + sentence) for sentence in warnings_of(run))])
 

@@ -81,6 +81,15 @@ bool is_of_any(const Comparison& of) {
   return of.theoretical_variance > 0.0 && !std::isnan(of.fourth_moment);
 }
 
+// The score of the mean of values of any distribution with the theoretical variance.
+double mean_score_of_any(const Comparison& of) {
+  if (!(of.theoretical_variance > 0.0)) return mean_score(of);
+  const auto n = static_cast<double>(of.measured.count);
+  const double shift = of.measured.mean - of.theoretical_mean;
+  return self_normalized_score(n * beyond(shift, of.rounding), of.measured.squared_deviations + n * shift * shift,
+                               n * of.theoretical_variance);
+}
+
 Scores scores_of_any(const Comparison& of) {
   const Moments& measured = of.measured;
   if (measured.count == 0) return {kNaN, kNaN};
@@ -91,7 +100,7 @@ Scores scores_of_any(const Comparison& of) {
   const double squared = measured.squared_deviations + n * square;
   const double fourth = measured.fourth_deviations + 4.0 * shift * measured.cubed_deviations +
                         6.0 * square * measured.squared_deviations + n * square * square;
-  const double of_mean = self_normalized_score(n * beyond(shift, of.rounding), squared, n * variance);
+  const double of_mean = mean_score_of_any(of);
   if (measured.count < 2) return {of_mean, kNaN};
   const double difference = n * beyond(squared / n - variance, rounding_of_variance(variance, of.rounding));
   const double squares = fourth - 2.0 * variance * squared + n * variance * variance;
@@ -135,8 +144,15 @@ Scores scores(const Comparison& of) {
   return is_of_any(of) ? scores_of_any(of) : Scores{mean_score(of), variance_score(of)};
 }
 
+void LargestScores::add_mean(const Comparison& of) {
+  ++comparisons_;
+  is_of_any_ = true;
+  raise_to(mean_, of.measured.count > 0 ? mean_score_of_any(of) : kNaN);
+}
+
 void LargestScores::add(const Comparison& of) {
-  ++cells_;
+  comparisons_ += 2;
+  means_only_ = false;
   is_of_any_ = is_of_any_ || !std::isnan(of.fourth_moment);
   const bool is_exact = !is_of_any(of) && std::isnan(of.measured.fourth_deviations);
   if (is_exact && has_variances(of)) {
@@ -153,7 +169,9 @@ void LargestScores::add(const Comparison& of) {
 }
 
 Agreement LargestScores::agreement() const {
-  return {mean_, variance_, is_of_any_ ? plausible_score_of_any(2 * cells_) : largest_plausible_score(2 * cells_)};
+  const double plausible = is_of_any_ ? plausible_score_of_any(comparisons_) : largest_plausible_score(comparisons_);
+  const bool means_only = means_only_ && comparisons_ > 0;
+  return {mean_, means_only ? kNaN : variance_, plausible, means_only};
 }
 
 double largest_plausible_score(std::size_t comparisons) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -68,8 +69,10 @@ struct Agreement {
   double max_abs_z_mean = 0.0;
   double max_abs_z_variance = 0.0;
   double plausible_z = 0.0;  ///< measurement and theory disagree beyond it
+  bool means_only = false;   ///< no variance was compared: its score is NaN
 
-  bool agrees() const { return max_abs_z_mean <= plausible_z && max_abs_z_variance <= plausible_z; }
+  bool agrees() const { return max_abs_z_mean <= plausible_z && (means_only || max_abs_z_variance <= plausible_z); }
+  double largest() const { return means_only ? max_abs_z_mean : std::max(max_abs_z_mean, max_abs_z_variance); }
 };
 
 /// Finds the agreement of many cells, one after the other.
@@ -77,11 +80,16 @@ class LargestScores {
 public:
   void add(const Comparison& of);
 
+  /// Compares the means alone, of values of any distribution: the inequality above needs no fourth moment for them.
+  void add_mean(const Comparison& of);
+
+  /// Of means only if all cells came by add_mean().
   Agreement agreement() const;
 
 private:
   double mean_ = 0.0, variance_ = 0.0;
-  std::size_t cells_ = 0;
+  std::size_t comparisons_ = 0;
+  bool means_only_ = true;
   bool is_of_any_ = false;  ///< a cell has a fourth moment
 
   // The score grows with the ratio of the variances, so among successive cells of equal degrees of freedom only ratios

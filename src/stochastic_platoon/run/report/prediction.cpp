@@ -23,7 +23,9 @@ namespace platoon {
 namespace {
 
 constexpr char kNoFourthMoments[] =
-    "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the run is not judged";
+    "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the means alone are judged";
+
+constexpr double kRoundingOfMeans = 1e-9;  // [m], of runs and of chain_moments() alike
 
 Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
   const RunOptions& run = configuration.run;
@@ -115,7 +117,10 @@ Prediction theory_of(const Configuration& configuration) {
             ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
             : error_moments(configuration.model, run.followers, run.steps);
     if (of_chain) prediction.warning = kNoFourthMoments;
+    prediction.means_only = of_chain;
     if (plain) prediction.rounding = rounding_bounds(configuration.model, moments);
+    prediction.rounding.resize(of_chain ? moments.mean.size() : prediction.rounding.size());
+    for (double& rounding : prediction.rounding) rounding = of_chain ? std::max(rounding, kRoundingOfMeans) : rounding;
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
     add_signals(configuration, prediction);

@@ -38,7 +38,8 @@ struct Prediction {
   std::vector<double> collision_bound = {};      ///< see collision_bounds(), one per follower; empty without the gap
   std::vector<std::string> contradictions = {};  ///< see contradictions()
   std::vector<std::string> warnings = {};        ///< see plausibility_warnings()
-  std::string warning = {};  ///< the reason why a run with a theory is not compared with it; empty: none
+  std::string warning = {};  ///< the reason why a run with a theory is not compared with all of it; empty: none
+  bool means_only = false;   ///< despite the reason its means are compared
 
   bool has_theory() const { return followers_with_theory > 0; }
 };

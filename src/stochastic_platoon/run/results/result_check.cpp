@@ -78,15 +78,20 @@ std::optional<std::string> other_theory(const CsvTable& table, const Prediction&
 // Appends a problem if the scores are not plausible.
 void judge(const std::string& source, const Agreement& found, std::vector<std::string>& problems) {
   if (found.agrees()) return;
+  if (found.means_only)
+    return problems.push_back(
+        formatted("measurement and theory disagree by %s: largest |z| %.2f of the means: must be at most %.2f",
+                  source.c_str(), found.max_abs_z_mean, found.plausible_z));
   problems.push_back(formatted(
       "measurement and theory disagree by %s: largest |z| %.2f for the means and %.2f for the variances: must be at most %.2f",
       source.c_str(), found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z));
 }
 
 std::optional<Agreement> recorded_agreement(const nlohmann::json& of) {
-  if (of.at("max_abs_z_variance").is_null()) return std::nullopt;
-  return Agreement{of.at("max_abs_z_mean").get<double>(), of.at("max_abs_z_variance").get<double>(),
-                   of.at("plausible_z").get<double>()};
+  if (of.at("max_abs_z_mean").is_null()) return std::nullopt;
+  const bool means_only = of.at("max_abs_z_variance").is_null();
+  return Agreement{of.at("max_abs_z_mean").get<double>(), means_only ? kNaN : of.at("max_abs_z_variance").get<double>(),
+                   of.at("plausible_z").get<double>(), means_only};
 }
 
 void check_delivery(const nlohmann::json& summary, const Configuration& configuration,
@@ -136,13 +141,14 @@ std::string passed(const nlohmann::json& summary, const RunOptions& run) {
   // Theory ends before the first external vehicle.
   const std::string compared =
       run.external.empty() ? "" : formatted(" up to follower %zu", run.followers_before_external());
-  return formatted("%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations, seed %llu", verdict,
-                   found ? formatted("in agreement%s (largest |z| %.2f, at most %.2f)", compared.c_str(),
-                                     std::max(found->max_abs_z_mean, found->max_abs_z_variance), found->plausible_z)
-                               .c_str()
-                         : "not compared with a theory",
-                   summary.at("followers").get<unsigned long long>(), summary.at("steps").get<long long>(),
-                   summary.at("realizations").get<unsigned long long>(), summary.at("seed").get<unsigned long long>());
+  return formatted(
+      "%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations, seed %llu", verdict,
+      found ? formatted("%sin agreement%s (largest |z| %.2f, at most %.2f)", found->means_only ? "means " : "",
+                        compared.c_str(), found->largest(), found->plausible_z)
+                  .c_str()
+            : "not compared with a theory",
+      summary.at("followers").get<unsigned long long>(), summary.at("steps").get<long long>(),
+      summary.at("realizations").get<unsigned long long>(), summary.at("seed").get<unsigned long long>());
 }
 
 }  // namespace

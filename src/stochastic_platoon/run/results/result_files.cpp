@@ -34,7 +34,7 @@ nlohmann::json theory_json(const Prediction& prediction) {
 nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
   if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}, {"plausible_z", nullptr}};
   return {{"max_abs_z_mean", agreement->max_abs_z_mean},
-          {"max_abs_z_variance", agreement->max_abs_z_variance},
+          {"max_abs_z_variance", number(agreement->max_abs_z_variance)},
           {"plausible_z", agreement->plausible_z}};
 }
 

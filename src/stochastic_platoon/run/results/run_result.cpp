@@ -129,7 +129,8 @@ bool has_score_over_time(const ResultCell& of) {
 
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result) {
-  if (!prediction.has_theory() || !prediction.warning.empty() || result.moments.empty()) return std::nullopt;
+  if (!prediction.has_theory() || result.moments.empty()) return std::nullopt;
+  if (!prediction.warning.empty() && !prediction.means_only) return std::nullopt;
   const bool over_time = run.averaging() == Averaging::over_time;
   const double needed = realizations_needed(run, prediction, result).value_or(2.0);
   if (!over_time && static_cast<double>(result.realizations) < std::max(needed, 2.0)) return std::nullopt;
@@ -139,7 +140,7 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
     for (std::int64_t k = 0; k < (over_time ? 1 : run.steps); ++k) {
       const ResultCell of = cells.of(i, k);
       if (over_time && !has_score_over_time(of)) return std::nullopt;
-      scores.add(of);
+      prediction.means_only ? scores.add_mean(of) : scores.add(of);
     }
   }
   return scores.agreement();

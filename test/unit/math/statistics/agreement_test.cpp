@@ -210,6 +210,40 @@ TEST(Agreement, IsTheLargestModulusOverAllCells) {
   EXPECT_EQ(found.max_abs_z_variance, -scores(measured(101, 0.2, 0.5), 0.0, 1.0).variance);
 }
 
+// One value in 400 is 20, all others -20 / 399: the bound holds although a sample of 100 values seldom has one.
+TEST(Agreement, OfMeansAloneHoldsForAnyDistribution) {
+  const double rare = 1.0 / 400.0, high = 20.0, low = -rare * high / (1.0 - rare);
+  const double variance = rare * high * high + (1.0 - rare) * low * low;
+  std::mt19937_64 random(11);
+  std::bernoulli_distribution is_rare(rare);
+  int disagree = 0, shifted_disagree = 0;
+  for (int run = 0; run < 2000; ++run) {
+    LargestScores scores, of_shifted;
+    double sum = 0.0, squares = 0.0;
+    constexpr int kValues = 1000;
+    for (int n = 0; n < kValues; ++n) {
+      const double value = is_rare(random) ? high : low;
+      sum += value;
+      squares += value * value;
+    }
+    const double mean = sum / kValues;
+    const Moments values = measured(kValues, mean, (squares - kValues * mean * mean) / (kValues - 1));
+    scores.add_mean({values, 0.0, variance});
+    of_shifted.add_mean({values, 0.5 * std::sqrt(variance), variance});
+    EXPECT_TRUE(scores.agreement().means_only);
+    EXPECT_TRUE(std::isnan(scores.agreement().max_abs_z_variance));
+    EXPECT_EQ(scores.agreement().largest(), scores.agreement().max_abs_z_mean);
+    EXPECT_EQ(scores.agreement().plausible_z, plausible_score_of_any(1));
+    disagree += scores.agreement().agrees() ? 0 : 1;
+    shifted_disagree += of_shifted.agreement().agrees() ? 0 : 1;
+  }
+  EXPECT_LE(disagree, 8) << "2 of 2000 at most on average";
+  EXPECT_EQ(shifted_disagree, 2000);
+  LargestScores undefined;
+  undefined.add_mean({measured(100, kNaN, 1.0), 0.0, 1.0});
+  EXPECT_FALSE(undefined.agreement().agrees());
+}
+
 TEST(Agreement, OfNoCellsIsZero) {
   EXPECT_EQ(agreement_of({}, {}, {}).max_abs_z_mean, 0.0);
   EXPECT_EQ(agreement_of({}, {}, {}).max_abs_z_variance, 0.0);

@@ -66,13 +66,14 @@ TEST_F(PredictionTest, EndsBeforeTheFirstExternalVehicle) {
   }
 }
 
-TEST_F(PredictionTest, OfLossesInBurstsIsExactWithoutAVerdict) {
+TEST_F(PredictionTest, OfLossesInBurstsIsExactWithAVerdictOfTheMeans) {
   configuration_.model.default_vehicle().position().link.loss = LossModel{0.1, 2.0, {1.0}};
   const Prediction prediction = predict(configuration_);
   EXPECT_TRUE(prediction.has_theory());
   EXPECT_EQ(prediction.variance, error_moments(configuration_.model, 2, 3).variance);
   EXPECT_TRUE(prediction.fourth_cumulant.empty());
-  EXPECT_TRUE(contains(prediction.warning, "the run is not judged"));
+  EXPECT_TRUE(contains(prediction.warning, "the means alone are judged"));
+  EXPECT_TRUE(prediction.means_only);
   configuration_.run.steps = 0;
   configuration_.run.burn_in = 1000000;
   const Prediction over_time = predict(configuration_);
