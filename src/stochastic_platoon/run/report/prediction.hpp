@@ -27,15 +27,14 @@ struct Prediction {
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN if there is none
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
-  std::vector<double> rounding = {};        ///< [m], one per cell: see rounding_bounds(); empty over time
+  std::vector<double> rounding = {};        ///< [m], one per cell, at least that of rounding_bounds(); empty over time
   /// [m^4], one per cell: see linked_error_moments(); empty over time, without losses, and for losses in bursts
   std::vector<double> fourth_cumulant = {};
   std::size_t followers_with_theory = 0;
   std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
-  /// The moments of each requested signal, one cell per follower and step; empty over time, and for errors that are not
-  /// normal.
+  /// The moments of each requested signal, one cell per follower and step; empty over time and without a theory.
   std::vector<SignalMoments> signals = {};
-  std::vector<double> collision_bound = {};      ///< see collision_bounds(), one per follower; empty without the gap
+  std::vector<double> collision_bound = {};      ///< see collision_bounds(), one per follower; only of normal gaps
   std::vector<std::string> contradictions = {};  ///< see contradictions()
   std::vector<std::string> warnings = {};        ///< see plausibility_warnings()
   std::string warning = {};  ///< the reason why a run with a theory is not compared with all of it; empty: none
