@@ -1,6 +1,7 @@
 #include "stochastic_platoon/run/report/prediction.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
@@ -25,7 +26,13 @@ namespace {
 constexpr char kNoFourthMoments[] =
     "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the means alone are judged";
 
-constexpr double kRoundingOfMeans = 1e-9;  // [m], of runs and of chain_moments() alike
+// Widens bounds of rounding to a nanometre, or to 1e-9 of a mean that grows: runs and chain_moments() round their means
+// in different ways, and a cell without variance has no other tolerance.
+void allow_rounding_of_means(Prediction& prediction) {
+  prediction.rounding.resize(prediction.mean.size());
+  for (std::size_t c = 0; c < prediction.mean.size(); ++c)
+    prediction.rounding[c] = std::max(prediction.rounding[c], 1e-9 * std::max(1.0, std::abs(prediction.mean[c])));
+}
 
 Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
   const RunOptions& run = configuration.run;
@@ -119,10 +126,9 @@ Prediction theory_of(const Configuration& configuration) {
     if (of_chain) prediction.warning = kNoFourthMoments;
     prediction.means_only = of_chain;
     if (plain) prediction.rounding = rounding_bounds(configuration.model, moments);
-    prediction.rounding.resize(of_chain ? moments.mean.size() : prediction.rounding.size());
-    for (double& rounding : prediction.rounding) rounding = of_chain ? std::max(rounding, kRoundingOfMeans) : rounding;
     prediction.mean.swap(moments.mean);
     prediction.variance.swap(moments.variance);
+    if (of_chain) allow_rounding_of_means(prediction);
     add_signals(configuration, prediction);
   }
   prediction.contradictions = contradictions(
