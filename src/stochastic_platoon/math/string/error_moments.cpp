@@ -142,12 +142,13 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
   return values;
 }
 
-SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {
+SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
+                            std::vector<double>* fourth_cumulants) {
   if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
   if (needs_chain_moments(model)) return chain_error_moments(model, followers, steps);
   if (!hears_predecessors_only(model)) return hearing_error_moments(model, followers, steps);
   if (start_slope(model) != 0.0) {
-    SignalMoments moments = error_moments(in_moving_frame(model), followers, steps);
+    SignalMoments moments = error_moments(in_moving_frame(model), followers, steps, fourth_cumulants);
     for (std::size_t c = 0; c < moments.mean.size(); ++c) {
       const std::size_t follower = c / static_cast<std::size_t>(steps) + 1;
       moments.mean[c] += steady_value(model, tracking_error(model, follower), follower);
@@ -156,7 +157,8 @@ SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, st
   }
   const ClosedLoop& loop = model.default_vehicle().loop;
   const bool in_double = is_papers(model) && model.recorded_leader.empty() && has_digits_in_double(loop);
-  if (!in_double || followers < 1 || steps < 1) return linked_error_moments(model, followers, steps);
+  if (!in_double || followers < 1 || steps < 1)
+    return linked_error_moments(model, followers, steps, loses(model) ? fourth_cumulants : nullptr);
   return PapersMoments(model, static_cast<std::size_t>(steps))(followers);
 }
 

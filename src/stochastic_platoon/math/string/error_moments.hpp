@@ -24,8 +24,11 @@ namespace platoon {
 /// bursts. The error is 1e-12 of the largest term for a mean, and 1e-12 relative for a variance. O(followers steps)
 /// time, O(steps) memory beyond the result. Holds for unstable loops too, within the range of double.
 ///
+/// `fourth_cumulants`, if given, receives those of linked_error_moments() where links lose and it serves the model.
+///
 /// Throws std::invalid_argument unless followers >= 1 and steps >= 1, and if the loop has no equilibrium.
-SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
+SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
+                            std::vector<double>* fourth_cumulants = nullptr);
 
 /// zeta_0(k) [m] for k = 0 .. steps-1, the error of the leader behind the virtual leader: zeta_0 = S r_0
 /// (paper, assumption assum:leader). Throws as error_moments does.

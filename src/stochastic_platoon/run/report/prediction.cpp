@@ -5,7 +5,6 @@
 #include <cstddef>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
-#include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
@@ -119,10 +118,7 @@ Prediction theory_of(const Configuration& configuration) {
     if (prediction.warning.empty() && !has_bursts(configuration.model) && plain)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
-    SignalMoments moments =
-        loses(configuration.model) && !of_chain
-            ? linked_error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant)
-            : error_moments(configuration.model, run.followers, run.steps);
+    SignalMoments moments = error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant);
     if (of_chain) prediction.warning = kNoFourthMoments;
     prediction.means_only = of_chain;
     if (plain) prediction.rounding = rounding_bounds(configuration.model, moments);

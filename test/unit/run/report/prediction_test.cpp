@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "unit/math/radio_cars.hpp"
 #include "unit/messages.hpp"
 #include "unit/paper_run.hpp"
 
@@ -64,6 +65,18 @@ TEST_F(PredictionTest, EndsBeforeTheFirstExternalVehicle) {
     EXPECT_TRUE(
         contains(prediction.stability.reason, "; this speaks of follower 1, before vehicle_2, which is external"));
   }
+}
+
+TEST_F(PredictionTest, OfASteadyStartBehindALossyRadioIsRelativeToItsMotion) {
+  configuration_.model = radio_platoon(0.7, 0.01, 0.02);
+  configuration_.model.start = Start::steady;
+  configuration_.model.default_vehicle().position().link.delay = 2;
+  lose_inputs(configuration_.model, 0.2, {1.0});
+  const Prediction prediction = predict(configuration_);
+  const double lag = 2.0 * configuration_.model.sample_period * configuration_.model.leader.speed(0);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(prediction.mean[3 * i], lag, 1e-12) << "as before step -1";
+  EXPECT_EQ(prediction.mean, error_moments(configuration_.model, 2, 3).mean);
+  EXPECT_EQ(prediction.fourth_cumulant.size(), prediction.mean.size());
 }
 
 TEST_F(PredictionTest, OfLossesInBurstsIsExactWithAVerdictOfTheMeans) {
