@@ -53,6 +53,8 @@ def drawn_inputs(draw, plain, constant):
     """Of a car that hears its predecessor alone, or others, too."""
     far = ["predecessor"] if plain else ["predecessor", 2, 3] + (["leader"] if constant else [])
     sources = draw.sample(far, 1 if plain else draw.choice([1, 1, 1, 2]))
+    if "predecessor" not in sources:
+        sources[0] = "predecessor"  # else errors are relative to a car that nobody hears
     weights = [draw.uniform(0.3, 1.0) for _ in sources]
     inputs = [{"signal": "position", "from": source, "noise_variance": draw.choice([0.0, draw.uniform(0.01, 0.3)]),
                "channel": drawn_channel(draw, "position", source)} for source in sources]
