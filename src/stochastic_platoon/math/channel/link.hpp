@@ -11,8 +11,17 @@
 
 namespace platoon {
 
-/// The link of input n into vehicle i draws as receiver i + n kInputStream.
-constexpr std::uint32_t kInputStream = 1u << 23;
+/// The link of input n, 0 .. 31, into vehicle i below 2^23 draws as receiver i + 2^23 (n mod 2) + 2^28 [n / 2]: no bit
+/// of it is one of the purpose's in the counter of a draw (see WhiteNoise).
+constexpr std::uint32_t input_stream(std::uint32_t vehicle, std::uint32_t input) {
+  return vehicle | (input & 1u) << 23 | (input >> 1) << 28;
+}
+constexpr std::uint32_t vehicle_of_stream(std::uint32_t stream) {
+  return stream & ((1u << 23) - 1u);
+}
+constexpr std::uint32_t input_of_stream(std::uint32_t stream) {
+  return (stream >> 23 & 1u) | (stream >> 28) << 1;
+}
 
 /// The positions of both ends of a link one step earlier, per realization [m].
 struct LinkEnds {

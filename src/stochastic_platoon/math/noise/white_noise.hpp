@@ -20,7 +20,7 @@ enum class Purpose : std::uint32_t {
 
 /// Name of one draw: the receiving vehicle, the step and the purpose. Step -1 names the initial position.
 struct DrawName {
-  std::uint32_t vehicle;  ///< i >= 1, below 2^24
+  std::uint32_t vehicle;  ///< i >= 1; bits 24 to 27 are those of the purpose
   std::int64_t step;      ///< k >= -1, below 2^47
   Purpose purpose = Purpose::noise;
 };

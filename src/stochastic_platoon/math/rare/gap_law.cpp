@@ -78,7 +78,7 @@ Eigen::MatrixXd GapLaw::of_sources(std::size_t first, std::size_t last, std::siz
 }
 
 double GapLaw::response(const DrawName& draw, std::size_t follower, std::size_t step) const {
-  const std::size_t from = draw.vehicle % kInputStream, input = draw.vehicle / kInputStream;
+  const std::size_t from = vehicle_of_stream(draw.vehicle), input = input_of_stream(draw.vehicle);
   if (from > follower || draw.purpose != Purpose::noise || draw.step >= static_cast<std::int64_t>(step)) return 0.0;
   const std::vector<Row>& rows = rows_[different_.of(from) - 1][draw.step < 0 ? 0 : input + 1];
   if (rows.empty()) return 0.0;

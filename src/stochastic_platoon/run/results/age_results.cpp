@@ -26,11 +26,11 @@ struct LosingLink {
 std::vector<LosingLink> losing_links(const PlatoonModel& model, std::size_t followers) {
   std::vector<LosingLink> links;
   for (std::size_t i = 1; i <= followers; ++i) {
-    auto stream = static_cast<std::uint32_t>(i);
+    std::uint32_t n = 0;
     for (const Input& input : vehicle(model, i).inputs) {
+      const std::uint32_t stream = input_stream(static_cast<std::uint32_t>(i), n++);
       if (input.link.loses() && !input.link.loss->by_distance)
         links.push_back({i, name_of(input.signal), stream, &*input.link.loss});
-      stream += kInputStream;
     }
   }
   return links;

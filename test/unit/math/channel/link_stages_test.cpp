@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
-#include "stochastic_platoon/math/channel/link_stage.hpp"
+#include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
 
 namespace platoon {
@@ -56,6 +57,20 @@ TEST(PacketLoss, HasZeroForALossWithoutAPredictor) {
     lost += is_lost ? 1 : 0;
   }
   EXPECT_GT(lost, 60);
+}
+
+// The counter of a draw is its stream or'ed with 2^24 times its purpose, 0 .. 3.
+TEST(LinkStages, OfAllInputsDrawFromStreamsOfTheirOwn) {
+  std::set<std::uint32_t> counters;
+  for (const std::uint32_t vehicle : {1u, 2u, (1u << 23) - 1u}) {
+    for (std::uint32_t input = 0; input < 32; ++input) {
+      const std::uint32_t stream = input_stream(vehicle, input);
+      EXPECT_EQ(vehicle_of_stream(stream), vehicle);
+      EXPECT_EQ(input_of_stream(stream), input);
+      for (std::uint32_t purpose = 0; purpose < 4; ++purpose) counters.insert(stream | purpose << 24);
+    }
+  }
+  EXPECT_EQ(counters.size(), 3u * 32u * 4u);
 }
 
 TEST(LinkStages, RejectInvalidOptions) {
