@@ -18,7 +18,7 @@ from live_platoon import tool
 STEPS, REALIZATIONS = 60, 3000
 SIGNALS = ["gap", "speed", "acceleration", "jerk", "input", "relative_speed"]
 UNSTABLE = ("rho(A)", "variance grows", "predictions that grow")
-BOUND = 5.5  # of a mean in standard errors: chance exceeds it in one of 10^7 cells
+BOUND = 5.5  # [standard errors] for a measured mean; a normal value exceeds it once in 26 million cells
 
 
 def drawn_loss(draw, signal, source):
@@ -54,7 +54,7 @@ def drawn_inputs(draw, plain, constant):
     far = ["predecessor"] if plain else ["predecessor", 2, 3] + (["leader"] if constant else [])
     sources = draw.sample(far, 1 if plain else draw.choice([1, 1, 1, 2]))
     if "predecessor" not in sources:
-        sources[0] = "predecessor"  # else errors are relative to a car that nobody hears
+        sources[0] = "predecessor"  # a tracking error is a distance to it, and unbounded in a string where nobody hears it
     weights = [draw.uniform(0.3, 1.0) for _ in sources]
     inputs = [{"signal": "position", "from": source, "noise_variance": draw.choice([0.0, draw.uniform(0.01, 0.3)]),
                "channel": drawn_channel(draw, "position", source)} for source in sources]

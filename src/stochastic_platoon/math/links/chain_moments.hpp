@@ -4,8 +4,8 @@
 
 namespace platoon {
 
-/// Exact mean and variance of signals of a platoon over links of any losses, homogeneous or patterned, whoever hears
-/// whom, from the first step on, in the order of the lists.
+/// Exact mean and variance of signals at every step of a platoon, homogeneous or patterned, whose vehicles hear any
+/// vehicles ahead over links with any losses. The tables are in the order of the lists.
 ///
 /// The covariance of the positions and, where a vehicle hears them, of the control inputs of the vehicles that others
 /// behind still hear passes from vehicle to vehicle. With s = m + s~ the values that arrive on a link, S their
