@@ -140,7 +140,7 @@ class Results:
 
     @property
     def max_abs_z(self) -> Optional[float]:
-        """The largest difference of measurement and theory over all cells, in standard errors; None without a comparison. Of the means
+        """The largest difference of measurement and theory over all tracking errors, in standard errors; None without a comparison. Of the means
         alone where the theory does not know the scatter of measured variances."""
         values = [self._value("agreement." + key) for key in ("max_abs_z_mean", "max_abs_z_variance")]
         return max((value for value in values if value is not None), default=None)

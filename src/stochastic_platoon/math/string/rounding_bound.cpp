@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "stochastic_platoon/math/model/input.hpp"
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
 
 namespace platoon {
@@ -66,6 +67,15 @@ std::vector<double> largest_positions(const PlatoonModel& model, std::size_t fol
 
 double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps) {
   return steps == 0 ? 0.0 : kRoundoff * rounding_gains(vehicle, 0.0, steps).position.back();
+}
+
+double signal_rounding(const PlatoonModel& model, const Signal& signal, std::size_t followers, std::size_t steps) {
+  constexpr double kOfPositions = 1e-11;
+  const double period = model.sample_period;
+  const auto weights = [](const Signal::Term& term) { return std::ldexp(std::abs(term.factor), term.order); };
+  const double sum = signal.is_input ? weights({1.0 / (period * period), 2})
+                                     : 2.0 * weights(signal.apart) + (signal.own.order > 0 ? weights(signal.own) : 0.0);
+  return kOfPositions * sum * std::max(largest_positions(model, followers, steps).back(), 1.0);
 }
 
 namespace {

@@ -8,6 +8,8 @@
 
 namespace platoon {
 
+struct Signal;
+
 /// Bound of the rounding error of a vehicle's arithmetic in double for a position of 1 m after `steps` steps [m]. With
 /// u the unit roundoff, e the unit equilibrium and e_j the unit vectors:
 ///
@@ -25,5 +27,10 @@ double rounding_bound_of_a_metre(const StateSpace& vehicle, std::size_t steps);
 /// Cauchy and Schwarz it bounds the effect of the errors of the positions ahead. Over other links: the largest bound
 /// among the homogeneous platoons of its vehicles, times 1 + |c_1| + |c_2| + ... of a predictor.
 std::vector<double> rounding_bounds(const PlatoonModel& model, const SignalMoments& moments);
+
+/// Tolerance for the values of a signal, in its unit, by the rounding of a run and of the theory, which form it from
+/// positions: 1e-11 of the largest position times the sum of the moduli of its weights; for a control input those of an
+/// acceleration.
+double signal_rounding(const PlatoonModel& model, const Signal& signal, std::size_t followers, std::size_t steps);
 
 }  // namespace platoon

@@ -76,8 +76,11 @@ void add_signals(const Configuration& configuration, Prediction& prediction) {
   const RunOptions& run = configuration.run;
   if (run.signals.empty()) return;
   prediction.signals = signal_moments(configuration.model, run.signals, run.followers, run.steps);
+  for (const Signal& signal : signals_of(configuration.model, run.signals, 1).requested)
+    prediction.signal_rounding.push_back(
+        signal_rounding(configuration.model, signal, run.followers, static_cast<std::size_t>(run.steps)));
   const auto gap = std::find(run.signals.begin(), run.signals.end(), kGap) - run.signals.begin();
-  if (static_cast<std::size_t>(gap) == run.signals.size() || !has_normal_errors(configuration.model)) return;
+  if (static_cast<std::size_t>(gap) == run.signals.size() || !prediction.normal) return;
   prediction.collision_bound =
       collision_bounds(prediction.signals[static_cast<std::size_t>(gap)], static_cast<std::size_t>(run.steps));
 }
@@ -110,6 +113,7 @@ Prediction theory_of(const Configuration& configuration) {
     return no_prediction(configuration, "vehicle_1, which the others follow, is external");
   Prediction prediction{
       string_stability(configuration.model), stationary_variances(configuration.model, run.followers), {}, {}};
+  prediction.normal = has_normal_errors(configuration.model);
   if (run.averaging() == Averaging::over_time) {
     prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
                                                      : stationary_means(configuration.model, run.followers);

@@ -34,6 +34,8 @@ struct Prediction {
   std::vector<ErrorCorrelation> error_correlation = {};  ///< over time: one per follower
   /// The moments of each requested signal, one cell per follower and step; empty over time and without a theory.
   std::vector<SignalMoments> signals = {};
+  std::vector<double> signal_rounding = {};      ///< see platoon::signal_rounding(), one per requested signal
+  bool normal = true;                            ///< see has_normal_errors()
   std::vector<double> collision_bound = {};      ///< see collision_bounds(), one per follower; only of normal gaps
   std::vector<std::string> contradictions = {};  ///< see contradictions()
   std::vector<std::string> warnings = {};        ///< see plausibility_warnings()

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
@@ -22,36 +23,44 @@ using Column = std::vector<double>;
 // Relative difference of theories computed on two machines.
 constexpr double kSameTheory = 1e-6;
 
-const Column& column(const CsvTable& table, const std::string& name) {
+const Column& column(const ResultTables& files, const std::string& file, const std::string& name) {
+  const CsvTable& table = files.tables.at(file);
   const auto found = std::find(table.names.begin(), table.names.end(), name);
   const std::size_t at = static_cast<std::size_t>(found - table.names.begin());
   const Column* values = found == table.names.end() ? nullptr : std::get_if<Column>(&table.columns[at]);
-  if (values == nullptr) throw std::invalid_argument("statistics.csv: " + name + ": must be a column of numbers");
+  if (values == nullptr) throw std::invalid_argument(file + ".csv: " + name + ": must be a column of numbers");
   return *values;
 }
 
 // As measured, without fourth moments.
+std::vector<Moments> moments_in(const ResultTables& files, const std::string& file, std::size_t cells) {
+  const Column &counts = column(files, file, "count"), &means = column(files, file, "mean"),
+               &variances = column(files, file, "variance");
+  if (counts.size() != cells)
+    throw std::invalid_argument(formatted("%s.csv: %zu rows: must be %zu, by its followers, steps and signals",
+                                          file.c_str(), counts.size(), cells));
+  std::vector<Moments> all;
+  for (std::size_t c = 0; c < cells; ++c) {
+    const auto count = static_cast<std::uint64_t>(counts[c]);
+    all.push_back({count, means[c], count > 1 ? variances[c] * (counts[c] - 1.0) : 0.0});
+  }
+  return all;
+}
+
 RunResult result_in(const ResultTables& files, const Configuration& configuration) {
-  const CsvTable& table = files.tables.at("statistics");
   RunResult result;
   result.complete = files.summary.at("complete").get<bool>();
   result.realizations = files.summary.at("realizations").get<std::uint64_t>();
   result.tally.attempts = files.summary.at("attempts").get<std::uint32_t>();
-  const Column &counts = column(table, "count"), &means = column(table, "mean"), &variances = column(table, "variance"),
-               &steps = column(table, "step");
-  for (std::size_t c = 0; c < counts.size(); ++c) {
-    Moments moments;
-    moments.count = static_cast<std::uint64_t>(counts[c]);
-    moments.mean = means[c];
-    moments.squared_deviations = moments.count > 1 ? variances[c] * (counts[c] - 1.0) : 0.0;
-    result.moments.push_back(moments);
-    result.last_steps.push_back(static_cast<std::int64_t>(steps[c]));
-  }
   const RunOptions& run = configuration.run;
   const auto cells = run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
-  if (result.moments.size() != cells)
-    throw std::invalid_argument(
-        formatted("statistics.csv: %zu rows: must be %zu, by its followers and steps", result.moments.size(), cells));
+  result.moments = moments_in(files, "statistics", cells);
+  for (const double step : column(files, "statistics", "step"))
+    result.last_steps.push_back(static_cast<std::int64_t>(step));
+  if (files.tables.count("signals") == 0) return result;
+  const std::vector<Moments> all = moments_in(files, "signals", run.signals.size() * cells);
+  for (auto of = all.begin(); of != all.end(); of += static_cast<std::ptrdiff_t>(cells))
+    result.signals.emplace_back(of, of + static_cast<std::ptrdiff_t>(cells));
   return result;
 }
 
@@ -61,8 +70,9 @@ bool is_same(double written, double computed, double scale) {
 }
 
 // The first cell whose theory is not that of the recorded model.
-std::optional<std::string> other_theory(const CsvTable& table, const Prediction& prediction) {
-  const Column &means = column(table, "theoretical_mean"), &variances = column(table, "theoretical_variance");
+std::optional<std::string> other_theory(const ResultTables& files, const Prediction& prediction) {
+  const Column &means = column(files, "statistics", "theoretical_mean"),
+               &variances = column(files, "statistics", "theoretical_variance");
   for (std::size_t c = 0; c < means.size(); ++c) {
     const double mean = prediction.mean[c], variance = prediction.variance[c];
     const double rounding = prediction.rounding.empty() ? 0.0 : prediction.rounding[c] / kSameTheory;
@@ -111,19 +121,28 @@ void check_figures(const ResultTables& files, const Configuration& configuration
   const nlohmann::json& summary = files.summary;
   const Prediction prediction = predict(configuration);
   const RunResult result = result_in(files, configuration);
-  if (const auto other = other_theory(files.tables.at("statistics"), prediction)) problems.push_back(*other);
+  if (const auto other = other_theory(files, prediction)) problems.push_back(*other);
   if (summary.at("theory").at("string_stable") !=
       (prediction.has_theory() ? truth(prediction.stability.decision()) : nlohmann::json()))
     problems.push_back("summary.json: the verdict is not that of the recorded model, which is: " +
                        prediction.stability.reason);
-  const std::optional<Agreement> recorded = recorded_agreement(summary.at("agreement"));
-  if (recorded) judge("the scores of summary.json", *recorded, problems);
+  const nlohmann::json& agreement = summary.at("agreement");
+  if (const auto recorded = recorded_agreement(agreement)) judge("the scores of summary.json", *recorded, problems);
+  const nlohmann::json of_signals = agreement.value("signals", nlohmann::json::object());
+  for (const auto& [name, of] : of_signals.items()) {
+    if (const auto recorded = recorded_agreement(of))
+      judge("the scores of summary.json for the " + in_words(name), *recorded, problems);
+  }
   std::vector<std::string> contradicting = summary.at("contradictions");
   std::optional<std::string> growth;
   if (!summary.at("measured_growth").is_null()) growth = summary.at("measured_growth").get<std::string>();
   if (has_normal_errors(configuration.model)) {  // else the standard errors need moments that the table lacks
     if (const auto found = measured_agreement(configuration.run, prediction, result))
       judge("the table", *found, problems);
+    for (std::size_t s = 0; s < result.signals.size(); ++s) {
+      if (const auto found = signal_agreement(configuration.run, prediction, result, s))
+        judge("the table for the " + in_words(configuration.run.signals[s]), *found, problems);
+    }
     growth = measured_growth(configuration, prediction, result);
   }
   if (contradicting.empty()) contradicting = prediction.contradictions;
@@ -143,9 +162,7 @@ std::string passed(const nlohmann::json& summary, const RunOptions& run) {
       run.external.empty() ? "" : formatted(" up to follower %zu", run.followers_before_external());
   return formatted(
       "%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations, seed %llu", verdict,
-      found ? formatted("%sin agreement%s (largest |z| %.2f, at most %.2f)", found->means_only ? "means " : "",
-                        compared.c_str(), found->largest(), found->plausible_z)
-                  .c_str()
+      found ? ((found->means_only ? "means in agreement" : "in agreement") + compared + largest_score(*found)).c_str()
             : "not compared with a theory",
       summary.at("followers").get<unsigned long long>(), summary.at("steps").get<long long>(),
       summary.at("realizations").get<unsigned long long>(), summary.at("seed").get<unsigned long long>());

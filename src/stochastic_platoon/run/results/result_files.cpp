@@ -31,11 +31,27 @@ nlohmann::json theory_json(const Prediction& prediction) {
   return theory;
 }
 
+// JSON has neither infinite numbers nor NaN, and null means that nothing was compared.
+double written_score(double score) {
+  constexpr double kLargest = 1e9;
+  return score < kLargest ? score : kLargest;  // also for NaN
+}
+
 nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
   if (!agreement) return {{"max_abs_z_mean", nullptr}, {"max_abs_z_variance", nullptr}, {"plausible_z", nullptr}};
-  return {{"max_abs_z_mean", agreement->max_abs_z_mean},
-          {"max_abs_z_variance", number(agreement->max_abs_z_variance)},
-          {"plausible_z", agreement->plausible_z}};
+  nlohmann::json written = {{"max_abs_z_mean", written_score(agreement->max_abs_z_mean)},
+                            {"max_abs_z_variance", nullptr},
+                            {"plausible_z", agreement->plausible_z}};
+  if (!agreement->means_only) written["max_abs_z_variance"] = written_score(agreement->max_abs_z_variance);
+  return written;
+}
+
+// Of the tracking errors, and of every signal by name.
+nlohmann::json agreements_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
+  nlohmann::json all = agreement_json(measured_agreement(run, prediction, result));
+  for (std::size_t s = 0; s < result.signals.size(); ++s)
+    all["signals"][run.signals[s]] = agreement_json(signal_agreement(run, prediction, result, s));
+  return all;
 }
 
 // Standard errors of every follower's variance at the last step.
@@ -87,7 +103,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"largest_standard_error_of_variance", largest_standard_errors_json(run, prediction, result)},
-          {"agreement", agreement_json(measured_agreement(run, prediction, result))},
+          {"agreement", agreements_json(run, prediction, result)},
           {"realizations_needed", number(needed)},
           {"theory", theory_json(prediction)},
           {"contradictions", prediction.contradictions},

@@ -146,6 +146,26 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
   return scores.agreement();
 }
 
+std::optional<Agreement> signal_agreement(const RunOptions& run, const Prediction& prediction, const RunResult& result,
+                                          std::size_t signal) {
+  if (prediction.signals.empty() || result.signals.empty() || result.realizations < 2) return std::nullopt;
+  const SignalMoments& theory = prediction.signals[signal];
+  LargestScores scores;
+  bool any = false;
+  for (std::size_t c = 0; c < cells_with_theory(run, prediction); ++c) {
+    if (std::isnan(theory.variance[c])) continue;  // too few digits
+    any = true;
+    const Comparison of{result.signals[signal][c], theory.mean[c], theory.variance[c],
+                        prediction.signal_rounding[signal]};
+    prediction.normal ? scores.add(of) : scores.add_mean(of);
+  }
+  return any ? std::optional(scores.agreement()) : std::nullopt;
+}
+
+std::string largest_score(const Agreement& of) {
+  return formatted(" (largest |z| %.2f, at most %.2f)", of.largest(), of.plausible_z);
+}
+
 std::optional<std::string> measured_growth(const Configuration& configuration, const Prediction& prediction,
                                            const RunResult& result) {
   constexpr double kScore = 6.0;

@@ -91,6 +91,14 @@ double standard_error_of_variance(const ResultCell& of);
 std::optional<Agreement> measured_agreement(const RunOptions& run, const Prediction& prediction,
                                             const RunResult& result);
 
+/// The same for a requested signal over the followers and steps where the theory knows its variance: of the means alone
+/// unless the signals are normal. None without such values, and for fewer than two realizations.
+std::optional<Agreement> signal_agreement(const RunOptions& run, const Prediction& prediction, const RunResult& result,
+                                          std::size_t signal);
+
+/// " (largest |z| 0.51, at most 4.32)".
+std::string largest_score(const Agreement& of);
+
 /// A sentence if a follower whose variance has settled is measured above the limit of a platoon that is judged string
 /// stable, by more than six standard errors; none otherwise.
 std::optional<std::string> measured_growth(const Configuration& configuration, const Prediction& prediction,

@@ -251,11 +251,12 @@ std::string signals_report(const Configuration& configuration, const Prediction&
                       in_words(run.signals[s]).c_str(), run.followers,
                       time_of_step(run.steps - 1, configuration.model).c_str(), of.mean, unit, std::sqrt(of.variance()),
                       unit);
-    text += has_signal_theory(prediction, run.followers)
-                ? formatted(" (theory %.6g, %.6g)\n", prediction.signals[s].mean[last],
-                            std::sqrt(prediction.signals[s].variance[last]))
-            : prediction.signals.empty() ? " (measured only)\n"
-                                         : "\n";
+    if (has_signal_theory(prediction, run.followers))
+      text += formatted(" (theory %.6g, %.6g)", prediction.signals[s].mean[last],
+                        std::sqrt(prediction.signals[s].variance[last]));
+    if (const std::optional<Agreement> found = signal_agreement(run, prediction, result, s))
+      text += (found->agrees() ? ", agrees" : ", DISAGREES WITH THE THEORY") + largest_score(*found);
+    text += prediction.signals.empty() ? " (measured only)\n" : "\n";
   }
   if (!result.signals.empty() && run.has_amplification())
     text += amplification_report(configuration, prediction, result);

@@ -81,6 +81,10 @@ std::string sweep_rows(const Sweep& sweep, std::uint64_t point, const Configurat
   std::optional<bool> stable, agrees;
   if (known) stable = prediction.stability.decision();
   if (const std::optional<Agreement> found = measured_agreement(run, prediction, result)) agrees = found->agrees();
+  for (std::size_t s = 0; s < result.signals.size(); ++s) {
+    const std::optional<Agreement> found = signal_agreement(run, prediction, result, s);
+    if (found && !found->agrees()) agrees = false;
+  }
   const ResultCells cells(run, prediction, result);
   CsvText csv;
   for (std::size_t i = sweep.all_followers ? 1 : run.followers; i <= run.followers; ++i) {

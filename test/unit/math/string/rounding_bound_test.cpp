@@ -7,7 +7,10 @@
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/simulation/trajectory.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
 #include "unit/math/example_loops.hpp"
+#include "unit/math/radio_cars.hpp"
 
 namespace platoon {
 namespace {
@@ -88,6 +91,31 @@ TEST(RoundingBounds, OfThePapersPlatoonAreFarBelowAMillimetre) {
   const PlatoonModel model = model_with(paper_loop(3.2), 3.2);
   const std::vector<double> bounds = rounding_bounds(model, error_moments(model, 20, 100));
   EXPECT_LT(*std::max_element(bounds.begin(), bounds.end()), 1e-9);
+}
+
+// The means of all signals of a drive without noise, as a run and as the theory compute them.
+TEST(RoundingBounds, OfSignalsHoldAtEveryPeriod) {
+  constexpr std::int64_t kSteps = 3000;
+  const std::vector<std::string> names = signal_names("gap,speed,acceleration,jerk,input,relative_speed");
+  for (const double period : {0.1, 0.02, 0.005}) {
+    const PlatoonModel model = without_noise(
+        radio_platoon_of({{car_with_actuator_lag(0.1, 0.1), period}, {ControllerGains{0.2, 0.7, 0.0}, period}},
+                         1.0 / period, 0.0, 0.0, 1, period));
+    const std::vector<SignalMoments> theory = signal_moments(model, names, 3, kSteps);
+    std::size_t follower = 0;
+    for_each_trajectory(model, 1, 3, kSteps, 0, names, [&](const Trajectory& of) {
+      if (follower++ == 0) return;
+      for (std::size_t s = 0; s < names.size(); ++s) {
+        const double bound = signal_rounding(model, signals_of(model, names, 1).requested[s], 3, kSteps);
+        double largest = 0.0;
+        for (std::size_t k = 0; k < kSteps; ++k)
+          largest = std::max(largest, std::abs(of.signals[s + 1][k] - theory[s].mean[(follower - 2) * kSteps + k]));
+        EXPECT_LE(largest, bound) << names[s] << " " << period;
+        EXPECT_GT(largest, 1e-9 * bound) << names[s] << " " << period << ": no bound to speak of";
+      }
+    });
+    EXPECT_EQ(follower, 4u);
+  }
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ protected:
   /// A result whose measured moments of the signals equal those of a theory.
   RunResult result_of(const Prediction& theory) const {
     RunResult exact = result();
+    exact.signals.clear();
     const auto count = static_cast<double>(exact.realizations);
     for (const SignalMoments& signal : theory.signals) {
       exact.signals.emplace_back();

@@ -66,6 +66,18 @@ TEST_F(ResultCheckTest, AMeasurementFarFromTheTheoryIsAProblemByBothScores) {
   EXPECT_NE(found[1].find("measurement and theory disagree by the table"), std::string::npos);
 }
 
+TEST_F(ResultCheckTest, ASignalFarFromItsTheoryIsAProblemByBothScores) {
+  configuration_.run.signals = {"gap", "relative_speed"};
+  predict_again();
+  EXPECT_TRUE(problems(result()).empty());
+  RunResult other = result();
+  other.signals[1][4].mean += 9.0;
+  const std::vector<std::string> found = problems(other);
+  ASSERT_EQ(found.size(), 2u) << ::testing::PrintToString(found);
+  EXPECT_TRUE(contains(found[0], "disagree by the scores of summary.json for the relative speed: largest |z| "));
+  EXPECT_TRUE(contains(found[1], "disagree by the table for the relative speed: largest |z| "));
+}
+
 TEST_F(ResultCheckTest, AnotherTheoryThanThatOfTheModelIsAProblem) {
   prediction_.variance[5] *= 1.0 + 1e-5;
   expect_problem(result(), "line 7: a theoretical mean of");

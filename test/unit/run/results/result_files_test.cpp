@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -226,6 +227,29 @@ TEST_F(ResultFilesTest, FilesAreReplacedWhole) {
   result.tally.attempts = 7;
   EXPECT_EQ(summary(result)["attempts"], 7);
   EXPECT_EQ(folder_.entries().size(), 2u);
+}
+
+TEST_F(ResultFilesTest, TheSummaryHasTheScoresOfEverySignal) {
+  EXPECT_FALSE(summary()["agreement"].contains("signals"));
+  configuration_.run.signals = {"gap", "speed"};
+  predict_again();
+  RunResult result = this->result();
+  result.signals[1][2].mean += 2.0 * standard_error_of_mean(prediction_.signals[1].variance[2], result.realizations);
+  const nlohmann::json of = summary(result)["agreement"]["signals"];
+  EXPECT_NEAR(of["gap"]["max_abs_z_mean"], 0.5, 1e-6);
+  EXPECT_NEAR(of["speed"]["max_abs_z_mean"], 2.5, 1e-6);
+  EXPECT_NEAR(of["speed"]["plausible_z"], largest_plausible_score(2 * prediction_.signals[1].mean.size()), 1e-12);
+}
+
+// As null they would read as if nothing had been compared.
+TEST_F(ResultFilesTest, TheSummaryHasInfiniteAndUnknownScoresAsNumbers) {
+  RunResult result = this->result();
+  configuration_.model.default_vehicle().position().noise_variance = 0.0;
+  configuration_.model.default_vehicle().initial_position.variance = 0.0;
+  predict_again();
+  EXPECT_EQ(summary(result)["agreement"]["max_abs_z_variance"], 1e9);
+  result.moments[0].mean = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(summary(result)["agreement"]["max_abs_z_mean"], 1e9);
 }
 
 TEST_F(ResultFilesTest, AFileThatCannotBeWrittenIsNamed) {

@@ -11,19 +11,27 @@
 
 namespace platoon {
 
+/// The moments of `count` values, `score` standard errors away from those of the theory.
+inline std::vector<Moments> moments_with(const std::vector<double>& mean, const std::vector<double>& variance,
+                                         std::uint64_t count, double score) {
+  std::vector<Moments> all;
+  for (std::size_t c = 0; c < mean.size(); ++c) {
+    const double measured = variance[c] + score * standard_error_of_variance(variance[c], count);
+    all.push_back({count, mean[c] + score * standard_error_of_mean(variance[c], count),
+                   measured * (static_cast<double>(count) - 1.0)});
+  }
+  return all;
+}
+
 /// A result whose cells are all `score` standard errors away from the prediction.
 inline RunResult result_with(const Configuration& configuration, const Prediction& prediction, double score = 0.5) {
   RunResult result;
   result.complete = true;
   result.realizations = configuration.run.realizations;
   result.tally = {positions_expected(configuration.run, result.realizations), 3, 0.5, 0};
-  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
-    const double n = static_cast<double>(result.realizations), v = prediction.variance[c];
-    const double variance = v + score * standard_error_of_variance(v, result.realizations);
-    result.moments.push_back({result.realizations,
-                              prediction.mean[c] + score * standard_error_of_mean(v, result.realizations),
-                              variance * (n - 1.0)});
-  }
+  result.moments = moments_with(prediction.mean, prediction.variance, result.realizations, score);
+  for (const SignalMoments& of : prediction.signals)
+    result.signals.push_back(moments_with(of.mean, of.variance, result.realizations, score));
   return result;
 }
 

@@ -68,6 +68,47 @@ TEST_F(ReportTest, ReportsThatMeasurementAndTheoryDisagree) {
     EXPECT_TRUE(contains(report_of(other), "MEASUREMENT AND LEMMA 1 DISAGREE"));
 }
 
+TEST_F(ReportTest, ReportsWhetherEverySignalAgrees) {
+  configuration_.run.signals = {"gap", "speed"};
+  predict_again();
+  const std::string agreeing = report_of(result());
+  EXPECT_TRUE(contains(agreeing, "), agrees (largest |z| 0.5")) << agreeing;
+  EXPECT_FALSE(contains(agreeing, "DISAGREE"));
+  RunResult of_mean = result(), of_variance = result();
+  of_mean.signals[1].back().mean += 3.0;
+  of_variance.signals[1][2].squared_deviations *= 9.0;
+  for (const RunResult& other : {of_mean, of_variance}) {
+    const std::string text = report_of(other), speed = text.substr(text.find("\nspeed of follower 2"));
+    EXPECT_TRUE(contains(speed.substr(0, speed.find('\n', 1)), "), DISAGREES WITH THE THEORY (largest |z| ")) << speed;
+    EXPECT_FALSE(contains(text.substr(0, text.find("\nspeed")), "DISAGREE")) << text;
+  }
+}
+
+TEST_F(ReportTest, JudgesSignalsBehindLossesByTheirMeans) {
+  configuration_.run.signals = {"speed"};
+  lose_packets({0.1, {}, {1.0}});
+  RunResult of_mean = result(), of_variance = result();
+  of_mean.signals[0].back().mean += 30.0;
+  of_variance.signals[0].back().squared_deviations *= 9.0;
+  EXPECT_TRUE(contains(report_of(of_mean), "DISAGREES WITH THE THEORY"));
+  EXPECT_FALSE(contains(report_of(of_variance), "DISAGREES")) << report_of(of_variance);
+}
+
+TEST_F(ReportTest, DoesNotJudgeSignalsOfUnknownVarianceOrBehindAnExternalVehicle) {
+  configuration_.run.signals = {"speed"};
+  predict_again();
+  RunResult other = result();
+  other.signals[0].back().mean += 30.0;
+  EXPECT_TRUE(contains(report_of(other), "DISAGREES"));
+  prediction_.signals[0].variance.back() = kNaN;
+  EXPECT_TRUE(contains(report_of(other), ", agrees (largest"));
+  configuration_.run.external = {2};
+  predict_again();
+  EXPECT_FALSE(contains(report_of(other), "DISAGREES"));
+  other.realizations = 1;
+  EXPECT_FALSE(signal_agreement(configuration_.run, prediction_, other, 0));
+}
+
 TEST_F(ReportTest, ReportsAMeasuredVarianceAboveTheLimitOfTheVerdict) {
   EXPECT_EQ(report_with_limit(2.3).find("MEASUREMENT AND VERDICT DISAGREE"), std::string::npos);
   const std::string text = report_with_limit(0.5);
