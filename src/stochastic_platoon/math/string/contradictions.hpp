@@ -2,19 +2,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/string/string_stability.hpp"
+#include "stochastic_platoon/math/model/platoon_model.hpp"
 
 namespace platoon {
 
-/// The figures of the theory of one platoon that come from independent computations.
+/// The figures of the theory of the tracking errors or of a signal that come from independent computations.
 struct TheoryFigures {
-  const StringStability& stability;
-  const std::vector<double>& stationary_variance;  ///< P_1, ..., P_N [m^2], by spectra
-  const std::vector<double>& variance;  ///< [m^2], one per follower and step (see cell()), by steps; empty: unknown
-  std::int64_t steps;                   ///< K, of `variance`
+  const std::vector<double>& stationary_variance;  ///< P_1, ..., P_N, by spectra
+  const std::vector<double>& variance;             ///< one per follower and step (see cell()), by steps; empty: unknown
+  std::optional<double> limit_variance;            ///< of a string stable platoon
+  std::string signal = "";                         ///< its name; empty: the tracking error
 };
 
 /// Number of followers, the first of N, whose variances have settled at the last of K steps: twice the settling_steps()
@@ -23,9 +24,10 @@ std::size_t settled_followers(const PlatoonModel& model, std::size_t followers, 
 
 /// A sentence for each pair of figures that must agree and do not; empty if all agree:
 ///
-/// - the variance of the last step and P_i, for each follower that has settled, to 1e-4;
+/// - the variance of the last of K steps and P_i, for each follower that has settled, to 1e-4;
 /// - P_i and P_{i+M}, M the length of the pattern: each vehicle adds to the spectrum, so that P_{i+M} >= P_i;
 /// - P_i and the limit of a string stable platoon, which is the supremum of all P_i.
-std::vector<std::string> contradictions(const PlatoonModel& model, const TheoryFigures& figures);
+std::vector<std::string> contradictions(const PlatoonModel& model, const std::vector<TheoryFigures>& figures,
+                                        std::int64_t steps);
 
 }  // namespace platoon

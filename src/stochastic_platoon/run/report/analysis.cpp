@@ -107,9 +107,6 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.moments = error_moments(model, followers, steps);
     analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   }
-  if (needs("contradictions", {"contradictions"}))
-    analysis.contradictions =
-        contradictions(model, {analysis.stability, analysis.stationary_variance, analysis.moments.variance, steps});
   if (is_papers(model) && needs("bounds", {"bounds", "norms"}) && analysis.stability.mean_square_stable)
     analysis.bounds = theorem_two_bounds(model, followers, steps);
   if (!is_papers(model) && needs("stationary means", {"stationary_mean"}))
@@ -125,6 +122,15 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.leader_shares = stable_leader_shares(model);
   if (needs("signals", {"signals", "collision", "amplification"}))
     analysis.signals = analyze_signals(configuration, signals, analysis.stability.string_stable, begins);
+  if (needs("contradictions", {"contradictions"})) {
+    std::vector<TheoryFigures> figures{
+        {analysis.stationary_variance, analysis.moments.variance, analysis.stability.limit_variance}};
+    const std::vector<StationarySignal>& stationary = analysis.signals.stationary;
+    for (std::size_t s = 0; s < stationary.size(); ++s)
+      figures.push_back({stationary[s].followers.variance, analysis.signals.moments[s].variance,
+                         stationary[s].limit_variance(), signals.all_names()[s]});
+    analysis.contradictions = contradictions(model, figures, steps);
+  }
   return analysis;
 }
 

@@ -131,10 +131,12 @@ Prediction theory_of(const Configuration& configuration) {
     if (of_chain) allow_rounding_of_means(prediction);
     add_signals(configuration, prediction);
   }
+  const std::vector<double> none;
   prediction.contradictions = contradictions(
       configuration.model,
-      {prediction.stability, prediction.stationary_variance,
-       run.averaging() == Averaging::over_time ? std::vector<double>() : prediction.variance, run.steps});
+      {{prediction.stationary_variance, run.averaging() == Averaging::over_time ? none : prediction.variance,
+        prediction.stability.limit_variance}},
+      run.steps);
   prediction.followers_with_theory = run.followers_before_external();
   if (!run.external.empty()) void_behind(run, prediction);
   return prediction;

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/signal_moments.hpp"
+#include "stochastic_platoon/math/string/stationary_signals.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/lossy_platoon.hpp"
 #include "unit/math/radio_cars.hpp"
 #include "unit/paper_platoon.hpp"
@@ -17,16 +20,25 @@ struct Figures {
       : model(of),
         verdict(string_stability(of)),
         stationary(stationary_variances(of, followers)),
-        moments(error_moments(of, followers, steps)) {}
+        moments(error_moments(of, followers, steps)),
+        of_signals(stationary_signals(of, names, followers, verdict.string_stable)),
+        signals(signal_moments(of, names, followers, steps)) {}
 
   std::vector<std::string> contradictions() const {
-    return platoon::contradictions(model, {verdict, stationary, moments.variance, moments.steps});
+    std::vector<TheoryFigures> figures{{stationary, moments.variance, verdict.limit_variance}};
+    for (std::size_t s = 0; s < names.size(); ++s)
+      figures.push_back(
+          {of_signals[s].followers.variance, signals[s].variance, of_signals[s].limit_variance(), names[s]});
+    return platoon::contradictions(model, figures, moments.steps);
   }
 
+  std::vector<std::string> names = signal_names("gap,speed,acceleration,jerk,relative_speed");
   PlatoonModel model;
   StringStability verdict;
   std::vector<double> stationary;
   SignalMoments moments;
+  std::vector<StationarySignal> of_signals;
+  std::vector<SignalMoments> signals;
 };
 
 TEST(Contradictions, AreNoneInAnyTheory) {
@@ -36,7 +48,7 @@ TEST(Contradictions, AreNoneInAnyTheory) {
   lose_inputs(losing, 0.2, {1.0});
   for (const PlatoonModel& model : {paper_platoon(3.2), paper_platoon(2.4), lossy_platoon({0.1, {}, {1.0}}),
                                     lossy_platoon({0.1, 3.0, {2.0, -1.0}}), unlike, losing}) {
-    const Figures figures(model, 12, 900);
+    const Figures figures(model, 5, 500);
     EXPECT_EQ(figures.contradictions(), std::vector<std::string>());
   }
 }
@@ -47,6 +59,17 @@ TEST(Contradictions, AreFoundBetweenTheTableAndTheStationaryVariance) {
   figures.moments.variance[3 * 300 + 299] *= 1.001;
   ASSERT_EQ(figures.contradictions().size(), 1U);
   EXPECT_NE(figures.contradictions().front().find("follower 4 at step 299"), std::string::npos);
+}
+
+TEST(Contradictions, AreFoundInSignals) {
+  Figures figures(paper_platoon(), 20, 300);
+  figures.signals[1].variance[3 * 300 + 299] *= 1.001;
+  figures.of_signals[4].limit->variance.front() *= 0.5;
+  const std::vector<std::string> found = figures.contradictions();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].find("the variance of the speed of follower 4 at step 299 is "), 0U) << found[0];
+  EXPECT_NE(found[0].find(" (m/s)^2, but the stationary variance is "), std::string::npos) << found[0];
+  EXPECT_EQ(found[1].find("the stationary variance of the relative speed of follower 20 is "), 0U) << found[1];
 }
 
 TEST(Contradictions, AreFoundBetweenAGrowingStringAndItsVerdict) {
