@@ -207,9 +207,10 @@ FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::str
   return signals;
 }
 
-SignalLists signal_lists(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers) {
+SignalLists signal_lists(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers,
+                         std::size_t first) {
   SignalLists lists;
-  for (std::size_t i = 1; i <= followers; ++i) {
+  for (std::size_t i = first; i < first + followers; ++i) {
     const FollowerSignals of = signals_of(model, names, i);
     lists.push_back(names.empty() ? std::vector<Signal>{of.error} : of.requested);
   }

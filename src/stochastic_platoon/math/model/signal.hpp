@@ -126,11 +126,12 @@ struct FollowerSignals {
 /// for an unknown name.
 FollowerSignals signals_of(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t follower);
 
-/// Signals of followers 1, 2, ...: of each the same number.
+/// Signals of successive followers: of each the same number.
 using SignalLists = std::vector<std::vector<Signal>>;
 
-/// The requested signals of followers 1, 2, ..., `followers`; without names the tracking errors alone.
-SignalLists signal_lists(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers);
+/// The requested signals of so many followers from `first` on; without names the tracking errors alone.
+SignalLists signal_lists(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers,
+                         std::size_t first = 1);
 
 /// signals_of() followers 1, 2, ..., `followers`.
 std::vector<FollowerSignals> signals_of_all(const PlatoonModel& model, const std::vector<std::string>& names,

@@ -1,6 +1,7 @@
 #include "stochastic_platoon/math/string/signal_moments.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/simulation/trajectory.hpp"
+#include "stochastic_platoon/math/string/error_moments.hpp"
 
 namespace platoon {
 
@@ -139,20 +141,26 @@ void require_size(std::size_t followers, std::int64_t steps) {
   if (steps < 1) throw std::invalid_argument("steps: " + std::to_string(steps) + ": must be >= 1");
 }
 
-}  // namespace
-
-std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::vector<std::string>& names,
-                                          std::size_t followers, std::int64_t steps) {
+// The model, its vehicles with their control input if that is among the signals. Throws as signal_moments() does.
+PlatoonModel model_for(PlatoonModel model, const std::vector<std::string>& names, std::size_t followers,
+                       std::int64_t steps) {
   require_size(followers, steps);
   if (const auto reason = no_theory(model)) throw std::invalid_argument("no theory, as " + *reason);
-  if (names.empty()) return {};
-  const auto count = static_cast<std::size_t>(steps);
-  PlatoonModel computed = model;
-  for (VehicleType& type : computed.types) {
+  for (VehicleType& type : model.types) {
     if (std::count(names.begin(), names.end(), kInput) == 0) break;
     if (!type.vehicle.loop.parts) throw std::invalid_argument("signal input: must be of vehicles by parts");
     type.vehicle.design->sends_input = true;
   }
+  return model;
+}
+
+}  // namespace
+
+std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::vector<std::string>& names,
+                                          std::size_t followers, std::int64_t steps) {
+  PlatoonModel computed = model_for(model, names, followers, steps);
+  if (names.empty()) return {};
+  const auto count = static_cast<std::size_t>(steps);
   if (needs_chain_moments(model)) return chain_moments(computed, signal_lists(model, names, followers), steps);
   if (!hears_predecessors_only(model)) return tables(computed, names, followers, count);
   for (const VehicleModel& vehicle : pattern(model)) unit_equilibrium(vehicle.loop.realization);
@@ -168,6 +176,18 @@ std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::
     }
   }
   return found;
+}
+
+StringMoments string_moments(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers,
+                             std::int64_t steps, std::vector<double>* fourth_cumulants) {
+  if (names.empty() || !needs_chain_moments(model))
+    return {error_moments(model, followers, steps, fourth_cumulants), signal_moments(model, names, followers, steps)};
+  SignalLists signals = signal_lists(model, names, followers);
+  for (std::size_t i = 1; i <= followers; ++i) signals[i - 1].insert(signals[i - 1].begin(), tracking_error(model, i));
+  std::vector<SignalMoments> all = chain_moments(model_for(model, names, followers, steps), signals, steps);
+  StringMoments moments{std::move(all.front()), {}};
+  moments.signals.assign(std::make_move_iterator(all.begin() + 1), std::make_move_iterator(all.end()));
+  return moments;
 }
 
 SignalMoments hearing_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps) {

@@ -26,7 +26,17 @@ namespace platoon {
 std::vector<SignalMoments> signal_moments(const PlatoonModel& model, const std::vector<std::string>& names,
                                           std::size_t followers, std::int64_t steps);
 
-/// The same of the tracking errors of a string whose vehicles hear any vehicles ahead. Links may quantise. Throws
+/// The moments of the tracking errors and of signals.
+struct StringMoments {
+  SignalMoments errors;
+  std::vector<SignalMoments> signals;
+};
+
+/// error_moments() and signal_moments(). Where they take chain_moments(), both cost as much as one of them.
+StringMoments string_moments(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t followers,
+                             std::int64_t steps, std::vector<double>* fourth_cumulants = nullptr);
+
+/// Those of the tracking errors of a string whose vehicles hear any vehicles ahead. Links may quantise. Throws
 /// std::invalid_argument unless followers >= 1 and steps >= 1, and for links that lose.
 SignalMoments hearing_error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps);
 

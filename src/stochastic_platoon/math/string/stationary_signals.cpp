@@ -14,26 +14,17 @@ namespace platoon {
 
 namespace {
 
-using Signals = std::vector<Signal>;  // of one follower
-
 // Means behind so many followers are those of an endless string, if they change by less from pattern to pattern [m]:
 // they fall into place like the powers of a matrix, or grow with the number of vehicles, as where vehicles of unlike
 // standstill distances keep a multiple of their own from the leader.
 constexpr std::size_t kFarFollowers = 1000;
 constexpr double kInPlace = 1e-8;
 
-std::vector<Signals> signals_from(const PlatoonModel& model, const std::vector<std::string>& names, std::size_t first,
-                                  std::size_t count) {
-  std::vector<Signals> signals;
-  for (std::size_t i = first; i < first + count; ++i) signals.push_back(signals_of(model, names, i).requested);
-  return signals;
-}
-
 /// Variance and change of every signal of one follower of the walk after the other.
 template <class Walk>
-std::vector<double> moments_along(Walk walk, const std::vector<Signals>& signals) {
+std::vector<double> moments_along(Walk walk, const SignalLists& signals) {
   std::vector<double> values;
-  for (const Signals& of_follower : signals) {
+  for (const std::vector<Signal>& of_follower : signals) {
     walk.pass(sum_of(walk.added()));
     for (const Signal& signal : of_follower) {
       for (const double value : walk.moments(signal)) values.push_back(std::isnan(value) ? kInfinity : value);
@@ -44,7 +35,7 @@ std::vector<double> moments_along(Walk walk, const std::vector<Signals>& signals
 
 /// Those of signal `index` of the followers first, first + 1, ..., whose signals, mean tracking errors at the leader's
 /// last speed, and moments_along() are given.
-StationaryMoments stationary_moments(const PlatoonModel& model, const std::vector<Signals>& signals, std::size_t index,
+StationaryMoments stationary_moments(const PlatoonModel& model, const SignalLists& signals, std::size_t index,
                                      std::size_t first, const std::vector<double>& errors,
                                      const std::vector<double>& values) {
   const double speed = metres_per_step(model);
@@ -68,7 +59,7 @@ void add_limits(const StationaryTheory& theory, const std::vector<std::string>& 
                 std::vector<StationarySignal>& result) {
   const PlatoonModel& model = theory.model();
   const std::size_t period = type_order(model).size(), far = (kFarFollowers / period + 1) * period;
-  const std::vector<Signals> at_places = signals_from(model, names, far + 1, period);
+  const SignalLists at_places = signal_lists(model, names, period, far + 1);
   const LinkedPattern* const linked = theory.pattern();
   const int zeros = linked != nullptr ? linked->gain().zeros() - linked->zeros_at_zero().noise : 0;
   std::vector<std::size_t> bounded;
@@ -77,7 +68,7 @@ void add_limits(const StationaryTheory& theory, const std::vector<std::string>& 
     if (zeros <= std::max(signal.is_relative() ? signal.apart.order + 1 : signal.own.order, 1)) bounded.push_back(s);
   }
   if (bounded.empty()) return;
-  std::vector<Signals> kept(period);
+  SignalLists kept(period);
   for (std::size_t p = 0; p < period; ++p) {
     for (const std::size_t s : bounded) kept[p].push_back(at_places[p][s]);
   }
@@ -120,7 +111,7 @@ std::vector<StationarySignal> stationary_signals(const StationaryTheory& theory,
   std::vector<StationarySignal> result(names.size(), StationarySignal{{none, none, none}, std::nullopt});
   if (!theory.mean_square_stable()) return result;
   try {
-    const std::vector<Signals> signals = signals_from(model, names, 1, followers);
+    const SignalLists signals = signal_lists(model, names, followers);
     const std::vector<double> values =
         theory.settled(followers, [&signals](auto walk) { return moments_along(std::move(walk), signals); });
     const std::vector<double> errors = stationary_means(model, followers);

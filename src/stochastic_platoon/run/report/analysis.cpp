@@ -103,8 +103,12 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.stationary_variance = stationary_variances(model, followers);
   if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))
     analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
+  const bool needs_signals = needs_any({"signals", "collision", "amplification"});
   if (needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
-    analysis.moments = error_moments(model, followers, steps);
+    StringMoments moments =
+        string_moments(model, needs_signals ? signals.all_names() : std::vector<std::string>(), followers, steps);
+    analysis.moments = std::move(moments.errors);
+    analysis.signals.moments = std::move(moments.signals);
     analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   }
   if (is_papers(model) && needs("bounds", {"bounds", "norms"}) && analysis.stability.mean_square_stable)
@@ -120,8 +124,9 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (needs("critical mean burst", {"critical_mean_burst"})) analysis.bursts = critical_mean_burst(model);
   if (!plain && needs("stable weights of the leader", {"critical_leader_share", "stable_leader_shares"}))
     analysis.leader_shares = stable_leader_shares(model);
-  if (needs("signals", {"signals", "collision", "amplification"}))
-    analysis.signals = analyze_signals(configuration, signals, analysis.stability.string_stable, begins);
+  if (needs_signals)
+    analysis.signals =
+        analyze_signals(configuration, std::move(analysis.signals), analysis.stability.string_stable, begins);
   if (needs("contradictions", {"contradictions"})) {
     std::vector<TheoryFigures> figures{
         {analysis.stationary_variance, analysis.moments.variance, analysis.stability.limit_variance}};

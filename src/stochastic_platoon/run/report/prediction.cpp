@@ -72,10 +72,10 @@ void void_behind(const RunOptions& run, Prediction& prediction) {
                                  ", before vehicle_" + std::to_string(last + 1) + ", which is external";
 }
 
-void add_signals(const Configuration& configuration, Prediction& prediction) {
+// What judges the signals beside their moments.
+void add_bounds_of_signals(const Configuration& configuration, Prediction& prediction) {
   const RunOptions& run = configuration.run;
   if (run.signals.empty()) return;
-  prediction.signals = signal_moments(configuration.model, run.signals, run.followers, run.steps);
   for (const Signal& signal : signals_of(configuration.model, run.signals, 1).requested)
     prediction.signal_rounding.push_back(
         signal_rounding(configuration.model, signal, run.followers, static_cast<std::size_t>(run.steps)));
@@ -122,14 +122,16 @@ Prediction theory_of(const Configuration& configuration) {
     if (prediction.warning.empty() && !has_bursts(configuration.model) && plain)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
-    SignalMoments moments = error_moments(configuration.model, run.followers, run.steps, &prediction.fourth_cumulant);
+    StringMoments moments =
+        string_moments(configuration.model, run.signals, run.followers, run.steps, &prediction.fourth_cumulant);
     if (of_chain) prediction.warning = kNoFourthMoments;
     prediction.means_only = of_chain;
-    if (plain) prediction.rounding = rounding_bounds(configuration.model, moments);
-    prediction.mean.swap(moments.mean);
-    prediction.variance.swap(moments.variance);
+    if (plain) prediction.rounding = rounding_bounds(configuration.model, moments.errors);
+    prediction.mean.swap(moments.errors.mean);
+    prediction.variance.swap(moments.errors.variance);
+    prediction.signals.swap(moments.signals);
     if (of_chain) allow_rounding_of_means(prediction);
-    add_signals(configuration, prediction);
+    add_bounds_of_signals(configuration, prediction);
   }
   const std::vector<double> none;
   prediction.contradictions = contradictions(

@@ -100,17 +100,19 @@ std::vector<std::string> SignalRequest::all_names() const {
   return all;
 }
 
-SignalAnalysis analyze_signals(const Configuration& configuration, const SignalRequest& request, bool string_stable,
+SignalAnalysis analyze_signals(const Configuration& configuration, SignalAnalysis analysis, bool string_stable,
                                const StageObserver& begins) {
   const PlatoonModel& model = configuration.model;
   const RunOptions& run = configuration.run;
-  SignalAnalysis analysis{request, {}, {}, {}};
+  const SignalRequest& request = analysis.request;
   const std::vector<std::string> names = request.all_names();
   if (names.empty()) return analysis;
   begins("stationary signals");
   analysis.stationary = stationary_signals(model, names, run.followers, string_stable);
-  begins("signals of every step");
-  analysis.moments = signal_moments(model, names, run.followers, run.steps);
+  if (analysis.moments.empty()) {
+    begins("signals of every step");
+    analysis.moments = signal_moments(model, names, run.followers, run.steps);
+  }
   const SignalsByName signals = exact_signals(model, names, analysis.moments, run.steps);
   if (signals.count("speed") > 0 && run.burn_in + 2 <= run.steps)
     analysis.amplification = amplification(signals, run.steps, run.burn_in);

@@ -40,8 +40,9 @@ struct SignalAnalysis {
   bool is_empty() const { return moments.empty(); }
 };
 
-/// `string_stable`: the verdict of string_stability().
-SignalAnalysis analyze_signals(const Configuration& configuration, const SignalRequest& request, bool string_stable,
+/// Completes an analysis that has its request, and its moments if these are known. `string_stable`: the verdict of
+/// string_stability().
+SignalAnalysis analyze_signals(const Configuration& configuration, SignalAnalysis analysis, bool string_stable,
                                const StageObserver& begins);
 
 /// "largest 1.158 of follower 3, head to tail 18.88": the L2 ratios of the speeds; empty if there are none.

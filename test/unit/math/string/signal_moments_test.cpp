@@ -177,5 +177,23 @@ TEST(SignalMoments, OfASteadyStartContainItsMotion) {
   }
 }
 
+TEST(SignalMoments, ComeWithTheErrorsAtOnce) {
+  PlatoonModel bursts = eventful_platoon(3.2);
+  bursts.default_vehicle().position().link.loss = LossModel{0.2, 3.0, {1.0}};
+  for (const PlatoonModel& model : {bursts, eventful_platoon(3.2)}) {
+    const StringMoments found = string_moments(model, kAll, 3, 40);
+    EXPECT_EQ(found.errors.mean, error_moments(model, 3, 40).mean);
+    EXPECT_EQ(found.errors.variance, error_moments(model, 3, 40).variance);
+    const std::vector<SignalMoments> expected = signal_moments(model, kAll, 3, 40);
+    ASSERT_EQ(found.signals.size(), expected.size());
+    for (std::size_t s = 0; s < kAll.size(); ++s) {
+      EXPECT_EQ(found.signals[s].mean, expected[s].mean);
+      EXPECT_EQ(found.signals[s].variance, expected[s].variance);
+    }
+    EXPECT_EQ(string_moments(model, {}, 3, 40).errors.variance, found.errors.variance);
+    EXPECT_TRUE(string_moments(model, {}, 3, 40).signals.empty());
+  }
+}
+
 }  // namespace
 }  // namespace platoon
