@@ -59,6 +59,13 @@ class Estimations(RareTest):
         options.update(realizations=20000, method="condition", output=self.path("condition"))
         self.assertIn("holds a shard of another run: rare is", tool("rare", **options).stderr)
 
+    def test_a_follower_whose_event_is_out_of_reach_leaves_the_others_their_estimates(self):
+        model = self.model(standstill_distance=3.0, vehicle_types={"far": {"standstill_distance": 80.0}}, string=["far", "default"])
+        rows = self.estimate("far", model, followers=2, steps=20, realizations=2000, method="split")
+        self.assertIn("below: 0 m: levels die out: no path of vehicle_1", self.document("far")["problems"]["1"])
+        self.assertTrue(np.isnan(rows["1"]["probability"]) and rows["2"]["probability"] > 0.0, rows)
+        self.assertLess(rows["1"]["upper"], 0.1)  # of a gap below one of the levels that the paths have reached
+
     def test_bad_input(self):
         model = self.model(standstill_distance=2.0)
         lossy = self.model(name="lossy.yaml", standstill_distance=2.0, channel=LOSS)

@@ -14,6 +14,7 @@ from plotting import style
 from plotting.values import Array
 
 LN10 = np.log(10.0)
+LARGEST_ERROR = 0.2  # relative: estimates with a larger one have no interval
 
 
 def distance_of(run: sp.Rare) -> float:
@@ -22,8 +23,9 @@ def distance_of(run: sp.Rare) -> float:
 
 
 def interval(logarithm: Array, error: Array, lower: Array, upper: Array) -> Any:
-    """Lengths of the error bars on the common logarithm; by the relative error where an end is below the range of double."""
-    about = 1.96 * error / LN10
+    """Lengths of the error bars on the common logarithm; by the relative error where an end is below the range of double, and 0 where it
+    does not exist."""
+    about = np.where(error <= LARGEST_ERROR, 1.96 * error / LN10, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         down = np.where(lower > 0.0, logarithm - np.log10(lower), about)
         up = np.where(upper > 0.0, np.log10(upper) - logarithm, about)
@@ -78,9 +80,10 @@ def draw_distances(axes: Axes, runs: Sequence[sp.Rare]) -> None:
     distances = [distance_of(run) for run in ordered]
     axes.set_title("(b) over the standstill distance")
     for at, (label, values) in enumerate((
-            ("follower {}".format(last), [(run.log10_probability[last - 1], run.relative_error[last - 1]) for run in ordered]),
-            ("any follower", [(run.any["log10_probability"], run.any["relative_error"]) for run in ordered]))):
-        logarithm, error = np.array(values).T
-        axes.errorbar(distances, logarithm, yerr=1.96 * error / LN10, fmt="o-", color=style.colour(at), markerfacecolor="white",
+            ("follower {}".format(last), [(run.log10_probability[last - 1], run.relative_error[last - 1], run.lower[last - 1], run.upper[last - 1])
+                                          for run in ordered]),
+            ("any follower", [tuple(run.any[name] for name in ("log10_probability", "relative_error", "lower", "upper")) for run in ordered]))):
+        logarithm, error, lower, upper = np.array(values).T
+        axes.errorbar(distances, logarithm, yerr=interval(logarithm, error, lower, upper), fmt="o-", color=style.colour(at), markerfacecolor="white",
                       linewidth=1.2, label=label, **style.POINTS)
     axes.set_xlabel("standstill distance [m]")

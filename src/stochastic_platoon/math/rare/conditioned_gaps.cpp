@@ -94,7 +94,7 @@ std::pair<double, double> ConditionedGaps::log_limits(std::size_t row) const {
   }
   // A sum below the range of double has lost terms.
   const double log_bound = bound > 1e-280 ? std::log(bound) : std::numeric_limits<double>::infinity();
-  return {least, std::min({log_bound, log_scale(row), 0.0})};
+  return {least, std::min({log_bound, choices_[row].log_sum(), 0.0})};
 }
 
 ConditionedGaps::Condition ConditionedGaps::condition(std::size_t row, const double* uniforms) const {
@@ -207,7 +207,7 @@ private:
   }
 
   std::vector<double> weights_of(std::size_t row, std::size_t count) const {
-    if (of_.log_scale(row) == -std::numeric_limits<double>::infinity()) return std::vector<double>(count, 0.0);
+    if (of_.choices_[row].log_sum() == -std::numeric_limits<double>::infinity()) return std::vector<double>(count, 0.0);
     std::vector<double> weights;
     for (std::size_t r = 0; r < count; ++r) {
       const Condition& at = shifts_->conditions[r];

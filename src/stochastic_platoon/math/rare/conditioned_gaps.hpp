@@ -29,7 +29,7 @@ public:
   ConditionedGaps(const PlatoonModel& model, const RareEvent& event);
 
   /// ln sum p.
-  double log_scale(std::size_t row) const override { return choices_[row].log_sum(); }
+  std::vector<double> log_scales(std::size_t row) const override { return {choices_[row].log_sum()}; }
 
   /// The largest p; and collision_bounds() or sum p, whichever is smaller.
   std::pair<double, double> log_limits(std::size_t row) const override;

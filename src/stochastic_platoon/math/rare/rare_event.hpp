@@ -23,14 +23,15 @@ struct RareEvent {
   std::int64_t burn_in = 0;  ///< steps that do not count
 };
 
-/// An unbiased estimator of the probabilities of an event, one row per follower and a last one for any of them:
-/// P = exp(log_scale) times the mean of a weight over independent samples.
+/// An unbiased estimator of the probabilities of an event, one row per follower and a last one for any of them. A row
+/// has the probabilities of nested events, each a part of the one before, the last one the row's own unless it has a
+/// problem(): P = exp(log_scale) times the mean of a weight over independent samples.
 class RareEstimator {
 public:
   virtual ~RareEstimator() = default;
 
-  /// Natural logarithm of the scale of a row, -infinity if P is 0 exactly.
-  virtual double log_scale(std::size_t row) const = 0;
+  /// Natural logarithms of the scales of a row's nested events, -infinity if P is 0 exactly; none without an estimate.
+  virtual std::vector<double> log_scales(std::size_t row) const = 0;
 
   /// The logarithms between which the probability of a row certainly is; infinite without theory.
   virtual std::pair<double, double> log_limits(std::size_t /*row*/) const {
@@ -40,18 +41,14 @@ public:
   /// The number of samples for this number of realizations.
   virtual std::uint64_t samples(std::uint64_t realizations) const { return realizations; }
 
-  /// The computation of the weights: one cell per row.
+  /// The computation of the weights: one cell per nested event of every row.
   virtual BatchWork work() const = 0;
 
   /// The levels of a row's gap [m]; none without a splitting.
   virtual std::vector<double> levels(std::size_t /*row*/) const { return {}; }
 
-  /// The reason why a row has no estimate; empty if it has one.
+  /// The reason why a row's event has no estimate; empty if it has one.
   virtual std::string problem(std::size_t /*row*/) const { return ""; }
-
-  /// ln of the probability of the nearest event that has an estimate, and that a row's event is a part of: log_scale(),
-  /// unless the row has a problem().
-  virtual double log_reached(std::size_t row) const { return log_scale(row); }
 
   /// The draws of the vehicles in a sample in which the event of a row happens; null if it does not in this sample.
   /// Without a sample: in the most likely one, as far as it is known.

@@ -9,7 +9,6 @@
 #include "stochastic_platoon/math/model/link_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
-#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/rare/path_draws.hpp"
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
@@ -103,16 +102,18 @@ public:
     }
   }
 
-  // Passes the levels one after the other. Returns ln of the product of the shares of the paths that fall below each,
-  // -infinity if none falls below one of them.
-  double descend(const std::vector<double>& levels, const Check& check) {
+  // Passes the levels one after the other. Returns per level ln of the product of the shares of the paths that fall
+  // below it and those before, -infinity from the first level on that none falls below.
+  std::vector<double> descend(const std::vector<double>& levels, const Check& check) {
+    std::vector<double> products(levels.size(), -std::numeric_limits<double>::infinity());
     double log_product = 0.0;
-    for (const double level : levels) {
-      log_product += std::log(run(level, check));
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+      log_product += std::log(run(levels[level], check));
       if (survivors_.empty()) break;
-      if (level != levels.back()) branch(level, check);
+      products[level] = log_product;
+      if (level + 1 < levels.size()) branch(levels[level], check);
     }
-    return log_product;
+    return products;
   }
 
   /// The draws of a path that fell below the latest level.
@@ -180,10 +181,6 @@ Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uin
     rows_.push_back(row == event.followers && row == 1 ? rows_.front() : pilot(row));
 }
 
-double Splitting::log_scale(std::size_t row) const {
-  return rows_[row].problem.empty() ? rows_[row].log_reached : kNaN;
-}
-
 Splitting::Row Splitting::pilot(std::size_t row) const {
   Paths paths(*this, row, kPilot);
   const Check check = [] { check_interruption(); };
@@ -207,33 +204,37 @@ Splitting::Row Splitting::pilot(std::size_t row) const {
           sorted.front(), paths_ * kRepetitions);
       return result;
     }
+    result.log_reached.push_back((result.levels.empty() ? 0.0 : result.log_reached.back()) + std::log(share));
     result.levels.push_back(level);
-    result.log_reached += std::log(share);
     if (level == event_.below) return result;
     before = level;
     paths.branch(level, check);
   }
-  throw std::invalid_argument("below: more than 120 levels: must be larger");
-}
-
-double Splitting::weight(std::size_t row, std::uint64_t repetition, const Check& check) const {
-  const Row& of = rows_[row];
-  return of.problem.empty() ? std::exp(Paths(*this, row, repetition).descend(of.levels, check) - of.log_reached) : 0.0;
+  result.problem = formatted("below: %g m: more than %zu levels, of which the last is at %g m: must be larger",
+                             event_.below, kMostLevels, result.levels.back());
+  return result;
 }
 
 BatchWork Splitting::work() const {
-  const auto computation = [this](const RealizationRange& batch, const Check& check, EnsembleTotals& totals) {
-    BatchMoments moments(batch.first, batch.size(), rows_.size());
+  std::size_t cells = 0;
+  for (const Row& row : rows_) cells += row.levels.size();
+  const auto computation = [this, cells](const RealizationRange& batch, const Check& check, EnsembleTotals& totals) {
+    BatchMoments moments(batch.first, batch.size(), cells);
+    std::size_t first = 0;
     for (std::size_t row = 0; row < rows_.size(); ++row) {
+      const Row& of = rows_[row];
       const std::size_t same = event_.followers == 1 ? 0 : row;  // the only follower is any follower
-      std::vector<double> weights;
-      for (std::uint64_t repetition = batch.first; repetition < batch.end; ++repetition)
-        weights.push_back(weight(same, repetition, check));
-      moments.set(row, weights.data());
+      std::vector<std::vector<double>> weights(of.levels.size());
+      for (std::uint64_t repetition = batch.first; repetition < batch.end; ++repetition) {
+        const std::vector<double> products = Paths(*this, same, repetition).descend(of.levels, check);
+        for (std::size_t level = 0; level < products.size(); ++level)
+          weights[level].push_back(std::exp(products[level] - of.log_reached[level]));
+      }
+      for (const std::vector<double>& of_level : weights) moments.set(first++, of_level.data());
     }
     totals.moments.add(std::move(moments));
   };
-  return {EnsembleTotals(MomentTable(rows_.size())), 1, [computation] { return computation; }};
+  return {EnsembleTotals(MomentTable(cells)), 1, [computation] { return computation; }};
 }
 
 std::shared_ptr<const ChangedDraws> Splitting::replay(std::size_t row, std::optional<std::uint64_t> sample) const {
@@ -242,7 +243,7 @@ std::shared_ptr<const ChangedDraws> Splitting::replay(std::size_t row, std::opti
   const Check check = [] { check_interruption(); };
   for (std::uint64_t repetition = sample.value_or(0); repetition < kRepetitions; ++repetition) {
     Paths paths(*this, row, repetition);
-    if (std::isfinite(paths.descend(rows_[row].levels, check))) return paths.survivor();
+    if (std::isfinite(paths.descend(rows_[row].levels, check).back())) return paths.survivor();
     if (sample) break;
   }
   return nullptr;

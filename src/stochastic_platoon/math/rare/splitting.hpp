@@ -29,29 +29,26 @@ public:
   /// to kMostRealizations, and if the event always happens to a follower.
   Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations);
 
-  /// The logarithm of the pilot's estimate; NaN if it does not reach the last level.
-  double log_scale(std::size_t row) const override;
+  /// The logarithms of the pilot's estimates of the probabilities to fall below each level.
+  std::vector<double> log_scales(std::size_t row) const override { return rows_[row].log_reached; }
   std::uint64_t samples(std::uint64_t) const override { return kRepetitions; }
   BatchWork work() const override;
   std::vector<double> levels(std::size_t row) const override { return rows_[row].levels; }
   std::string problem(std::size_t row) const override { return rows_[row].problem; }
-  /// The pilot's estimate of the probability to fall below the last level that it reached.
-  double log_reached(std::size_t row) const override { return rows_[row].log_reached; }
 
   /// A path that reaches the last level in the repetition `sample`, by default in the first one that has any.
   std::shared_ptr<const ChangedDraws> replay(std::size_t row, std::optional<std::uint64_t> sample) const override;
 
 private:
   struct Row {
-    std::vector<double> levels;  ///< [m], descending; the last is the bound of the event
-    double log_reached = 0.0;
+    std::vector<double> levels;       ///< [m], descending; the last is the bound of the event
+    std::vector<double> log_reached;  ///< per level: ln of the share of the paths that fall below it
     std::string problem;
   };
   class Paths;
   using Check = std::function<void()>;
 
   Row pilot(std::size_t row) const;
-  double weight(std::size_t row, std::uint64_t repetition, const Check& check) const;
   std::size_t last_follower(std::size_t row) const { return row < event_.followers ? row + 1 : row; }
 
   PlatoonModel model_;

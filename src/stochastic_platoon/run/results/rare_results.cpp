@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kSecondsPerHour = 3600.0;
 constexpr double kUnseen = 1.5;  // samples
+constexpr double kLargestError = 0.2;
 using boost::math::double_constants::ln_ten;
 
 // ln(-ln(1 - P)).
@@ -28,30 +29,60 @@ double log_hazard(double log_probability) {
   return log_probability < 0.0 ? std::log(-std::log1p(-std::exp(log_probability))) : kNaN;
 }
 
+/// An estimate by the weights of one event, and how far its interval reaches to either side.
+struct Estimate {
+  double log_probability = kNaN, relative_error = kNaN, reach = kNaN;
+
+  Estimate(double log_scale, const Moments& weight) {
+    if (!(weight.mean > 0.0)) return;  // nothing has been reached
+    const auto n = static_cast<double>(weight.count);
+    log_probability = log_scale + std::log(weight.mean);
+    if (weight.count < 2) return;
+    relative_error = std::sqrt(weight.squared_deviations / (n - 1.0) / n) / weight.mean;
+    reach = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) *
+            std::sqrt(relative_error * relative_error + kUnseen * kUnseen / (n * n));
+  }
+
+  bool has_interval() const { return relative_error <= kLargestError; }
+};
+
+// `weights`: of the row's nested events.
 RareRow row_of(const Configuration& configuration, const RareEstimator& estimator, std::size_t row,
-               const Moments& weight) {
-  RareRow of{"", kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+               const Moments* weights) {
+  RareRow of{row < configuration.run.followers ? std::to_string(row + 1) : "any", kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+  const std::vector<double> scales = estimator.log_scales(row);
   const auto [least, most] = estimator.log_limits(row);
   if (std::isfinite(most)) of.log_bound = most;
-  if (estimator.log_scale(row) == -std::numeric_limits<double>::infinity()) {
-    of.log_probability = of.log_lower = of.log_upper = of.log_bound = of.log_per_hour = estimator.log_scale(row);
+  of.problem = estimator.problem(row);
+  if (of.problem.empty() && scales.back() == -kInfinity) {
+    of.log_probability = of.log_lower = of.log_upper = of.log_bound = of.log_per_hour = -kInfinity;
     of.relative_error = 0.0;
     return of;
   }
-  if (!(weight.mean > 0.0)) return of;  // nothing has been reached
-  const auto n = static_cast<double>(weight.count);
-  const double estimate = estimator.log_scale(row) + std::log(weight.mean);
   const auto limited = [least = least, most = std::min(most, 0.0)](double x) {
     return std::max(least, std::min(x, most));
   };
-  of.log_probability = limited(estimate);
-  of.log_per_hour = log_per_hour(configuration, of.log_probability);
-  if (weight.count < 2) return of;
-  of.relative_error = std::sqrt(weight.squared_deviations / (n - 1.0) / n) / weight.mean;
-  const double reach = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) *
-                       std::sqrt(of.relative_error * of.relative_error + kUnseen * kUnseen / (n * n));
-  of.log_lower = limited(estimate - reach);
-  of.log_upper = limited(estimate + reach);
+  std::vector<Estimate> nested;
+  for (std::size_t event = 0; event < scales.size(); ++event) nested.emplace_back(scales[event], weights[event]);
+  if (of.problem.empty()) {
+    const Estimate& own = nested.back();
+    if (std::isnan(own.log_probability)) {
+      of.problem = "row " + of.vehicle + ": no repetition reaches the last level: realizations must be more";
+    } else {
+      of.log_probability = limited(own.log_probability);
+      of.log_per_hour = log_per_hour(configuration, of.log_probability);
+      of.relative_error = own.relative_error;
+      if (own.has_interval())
+        of.log_lower = limited(own.log_probability - own.reach);
+      else if (!std::isnan(own.relative_error))
+        of.problem = formatted("row %s: an error of %.0f %% is too large for an interval: realizations must be more",
+                               of.vehicle.c_str(), 100.0 * own.relative_error);
+    }
+  }
+  const auto deepest =
+      std::find_if(nested.rbegin(), nested.rend(), [](const Estimate& each) { return each.has_interval(); });
+  if (deepest != nested.rend())
+    of.log_upper = limited(std::max(deepest->log_probability + deepest->reach, of.log_probability));
   return of;
 }
 
@@ -71,11 +102,11 @@ double log_per_hour(const Configuration& configuration, double log_probability) 
 
 std::vector<RareRow> rare_rows(const Configuration& configuration, const RareEstimator& estimator,
                                const std::vector<Moments>& weights) {
-  const RunOptions& run = configuration.run;
   std::vector<RareRow> rows;
-  for (std::size_t row = 0; row < weights.size(); ++row) {
-    rows.push_back(row_of(configuration, estimator, row, weights[row]));
-    rows.back().vehicle = row < run.followers ? std::to_string(row + 1) : "any";
+  const Moments* of_row = weights.data();
+  for (std::size_t row = 0; row <= configuration.run.followers; ++row) {
+    rows.push_back(row_of(configuration, estimator, row, of_row));
+    of_row += estimator.log_scales(row).size();
   }
   return rows;
 }

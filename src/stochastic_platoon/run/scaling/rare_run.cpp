@@ -114,10 +114,7 @@ RareResult rare_result(const RareRun& run, const EnsembleTotals& totals) {
   for (std::size_t row = 0; row < result.rows.size(); ++row) {
     if (const auto levels = run.estimator->levels(row); !levels.empty())
       details["levels"][result.rows[row].vehicle] = levels;
-    std::string problem = run.estimator->problem(row);
-    if (problem.empty() && std::isnan(result.rows[row].log_probability))
-      problem = "row " + result.rows[row].vehicle + ": no repetition reaches the last level: realizations must be more";
-    if (!problem.empty()) details["problems"][result.rows[row].vehicle] = problem;
+    if (!result.rows[row].problem.empty()) details["problems"][result.rows[row].vehicle] = result.rows[row].problem;
   }
   result.files = {{"rare.csv", rare_csv(result.rows)},
                   {"rare.json", rare_json(run.configuration, run.options, result.samples, result.rows, details)}};
@@ -169,13 +166,9 @@ double required_value(const RareRequirement& requirement, double start,
     if (settings.stop()) throw Interrupted();
     // The probability of any follower is at least that of each; all estimates have errors of their own.
     double most = -std::numeric_limits<double>::infinity();
-    for (std::size_t row = 0; row < result.rows.size(); ++row) {
-      const RareRow& of = result.rows[row];
-      const std::string reason = run->estimator->problem(row);
-      double upper = std::isnan(of.log_upper) ? of.log_probability : of.log_upper;
-      if (!reason.empty()) upper = run->estimator->log_reached(row);
-      if (requirement.per_hour) upper = log_per_hour(run->configuration, upper);
-      if (!reason.empty() && !(upper <= std::log(requirement.probability))) problem = "; there: " + reason;
+    for (const RareRow& of : result.rows) {
+      const double upper = requirement.per_hour ? log_per_hour(run->configuration, of.log_upper) : of.log_upper;
+      if (!of.problem.empty() && !(upper <= std::log(requirement.probability))) problem = "; there: " + of.problem;
       most = std::isnan(upper) ? 1e3 : std::max(most, upper);
     }
     tried(value, std::exp(most));

@@ -95,7 +95,7 @@ Estimate estimate(const PlatoonModel& model, const RareEvent& event, std::uint64
   run.work();
   const Moments weight = run.release().moments.totals()[row];
   const auto n = static_cast<double>(realizations);
-  return {conditioned.log_scale(row) + std::log(weight.mean),
+  return {conditioned.log_scales(row).back() + std::log(weight.mean),
           std::sqrt(weight.squared_deviations / (n - 1.0) / n) / weight.mean};
 }
 
