@@ -152,25 +152,6 @@ class Limits(Model, FolderTest):
             self.assertLess(np.abs(table("gap")[1:, 1:] - (3.0 + 1.4 * 20.0 - 4.5)).max(), 1e-9)
             self.assertLess(np.abs(table("position")[0, 1] - 0.0), 1e-12)
 
-    def rejected(self, message, **keys):
-        self.model(**keys)
-        done = live_platoon.tool("monte_carlo", model=self.path("model.yaml"), realizations=2, output=self.path("rejected"))
-        self.assertNotEqual(done.returncode, 0)
-        self.assertIn(message, done.stderr)
-
-    def test_impossible_limits_are_rejected_by_name(self):
-        self.rejected("limits/input: [0.5, 2]: must be two numbers, [lower, upper], with lower <= 0 <= upper", limits={"input": [0.5, 2.0]})
-        self.rejected("limits/speed: [3, -3]: must be", limits={"speed": [3.0, -3.0]})
-        self.rejected("limits/speed: [0, 21]: must contain the leader's first speed, 22 m/s", limits={"speed": [0.0, 21.0]})
-        self.rejected("limits/speed: [0, 40]: must be absent for a plant without actuator_lag", limits={"speed": [0.0, 40.0]},
-                      plant={"continuous": {"numerator": [2.0], "denominator": [1.0, 1.0, 0.0, 0.0]}})
-        self.rejected("limits/input: 3 numbers: must be", limits={"input": [0.5, 2.0, 3.0]})
-        self.rejected("limits/power", limits={"power": [0.0, 2.0]})
-        self.rejected("start: creeping: must be", start="creeping")
-        self.rejected("vehicle_types/given/limits: given: must be absent beside closed_loop",
-                      vehicle_types={"given": {"time_headway": 2.0, "limits": {"input": [-1.0, 1.0]},
-                                               "closed_loop": {"A": [[0.75, 0.375], [-0.125, 0.0]], "B": [0.25, 0.0], "C": [1.0, 0.0]}}})
-
 
 class LinearMap(unittest.TestCase):
     def test_the_map_of_cars_with_limits_is_that_of_the_same_cars_without(self):

@@ -53,28 +53,6 @@ TEST(DesignSection, IsReadBackToTheBit) {
   EXPECT_EQ(model.types[2].vehicle.headway, 350.0) << "inherited by the truck";
 }
 
-TEST(DesignSection, NamesAnInvalidValue) {
-  expect_problems(
-      kCar,
-      {{"time_headway_seconds: 3.5", "time_headway_seconds: 3.5\ntime_headway: 350",
-        "time_headway_seconds: given: must be absent beside time_headway"},
-       {"time_headway_seconds: 3.5\n", "", "time_headway: missing"},
-       {"seconds: 3.5", "seconds: -1", "time_headway_seconds: -1: must be"},
-       {"actuator_lag: 0.1", "actuator_lag: -0.1", "plant/actuator_lag: -0.1: must be"},
-       {"input_delay: 0.2", "input_delay: -0.2", "plant/input_delay: -0.2: must be"},
-       {"input_delay: 0.2", "input_delay: 1.2", "plant/input_delay: 1.2 s: must be at most 100 sample periods, 1 s"},
-       {"actuator_lag: 0.1", "actuator_lag: 0.1, numerator: [1]", "plant/numerator: unknown"},
-       {"headway_filter: true", "headway_filter: true, divide_by_one_plus_headway: true",
-        "controller/headway_filter: true: must be false beside divide_by_one_plus_headway"},
-       {"kp: 0.2, kd: 0.7", "kp: 0, kd: 0", "controller/kp: 0, as are the others: must be"},
-       {"kp: 0.2, kd: 0.7", "kp: 0.2", "controller/kd: missing"},
-       {"kd: 0.7", "kd: -0.7", "the closed loop is unstable: rho(A) = "},
-       {"actuator_lag: 0.1, input_delay: 0.2", "continuous: {numerator: [1, 0, 0], denominator: [1, 0, 0]}",
-        "plant/continuous/numerator: degree 2: must be"},
-       {"actuator_lag: 0.1, input_delay: 0.2", "continuous: {numerator: [1], denominator: [0.1, 1, 0]}",
-        "plant/continuous/denominator: no double integrator: must be"}});
-}
-
 // A headway of the command line replaces that of the file, in either unit.
 TEST(DesignSection, IsOverriddenByAHeadwayInEitherUnit) {
   const TemporaryFolder folder;

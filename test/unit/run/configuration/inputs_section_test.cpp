@@ -16,10 +16,6 @@ const std::string kRadio =
 
 const std::string kInputs = "inputs:\n" + kRadar + kRadio;
 
-std::string with_radio(const std::string& part, const std::string& other) {
-  return kCarText + replaced(kInputs, part, other);
-}
-
 TEST(InputsSection, DescribesRadarAndRadio) {
   const PlatoonModel model = model_of(kCarText + kInputs);
   const VehicleModel& vehicle = model.default_vehicle();
@@ -108,48 +104,9 @@ TEST(InputsSection, IsOverriddenInTheInputOfTheSetting) {
   EXPECT_EQ(overridden(kCarText + "noise_variance: 0.3\n", "loss", "0.4").position().link.loss->probability, 0.4);
 }
 
-TEST(InputsSection, NamesAnInvalidInput) {
-  const std::string later = "inputs[1]/channel/delay: ", noise = "noise_variance: 0.1\n";
-  struct Case {
-    std::string text, problem;
-  };
-  for (const auto& [text, problem] : {
-           Case{with_radio("delay: 2", "delay: 0"),
-                later + "0: must be 1 or more: the input of step k is known one step later"},
-           Case{with_radio("delay: 2", "delay: 101"), later + "101: must be at most 100 steps for a radio"},
-           Case{with_radio("delay: 2, ", ""), later + "missing: must be 1 or more"},
-           Case{with_radio("gain: 0.9", "gain: 0"), "inputs[1]/gain: 0: must be other than 0"},
-           Case{with_radio("noise_variance: 0.02, ", ""), "inputs[1]/noise_variance: missing"},
-           Case{with_radio("predecessor, gain", "nobody, gain"), "inputs[1]/from: nobody: must be predecessor, leader"},
-           Case{with_radio("signal: input", "signal: jerk"), "inputs[1]/signal: jerk: must be position or speed"},
-           Case{kCarText + noise + "inputs:\n" + kRadio, "inputs: no position: must be at least one position"},
-           Case{kCarText + noise + kInputs, "noise_variance: given: must be absent beside"},
-           Case{kCarText + noise + "channel: {loss: {probability: 0.1, on_loss: zero}}\n",
-                "channel/loss/on_loss: zero: must be"},
-       }) {
-    EXPECT_TRUE(is_problem(problems_in(text), problem));
-  }
-}
-
-TEST(InputsSection, RejectsVehiclesThatHaveNoInputToSend) {
-  EXPECT_TRUE(is_problem(
-      problems_in(kCarText + kInputs + "vehicle_types: {given: {" + kClosedLoopText + "}}\nstring: [given, default]\n"),
-      "vehicle_types/given/closed_loop: given: must be plant and controller"));
-  const std::string single =
-      replaced(replaced(kCarText, "{actuator_lag: 0.1, input_delay: 0.2}", "{numerator: [0.1], denominator: [1, -1]}"),
-               "kp: 0.2, kd: 0.7", "kp: 0.2, kd: 0.7, ki: 0.1");
-  EXPECT_TRUE(is_problem(problems_in(single + kInputs), "plant: no double integrator"));
-}
-
 TEST(InputsSection, AcceptsARecordedLeader) {
   const std::string recorded = replaced(kCarText, "{speed: [{from_step: 0, value: 20.0}]}", "{positions: [0, 0, 0]}");
   EXPECT_EQ(problems_in(recorded + kInputs), Problems{});
-}
-
-TEST(InputsSection, ReportsGainsThatMakeTheLoopUnstable) {
-  const Problems problems = problems_in(replaced(kCarText, "kp: 0.2", "kp: 90.") + kInputs);
-  ASSERT_EQ(problems.size(), 1u);
-  EXPECT_TRUE(contains(problems[0], "unstable: rho(A) = 1."));
 }
 
 }  // namespace

@@ -37,6 +37,14 @@ TEST(ModelFile, IsValidInEveryShippedFile) {
   EXPECT_GE(files, 1);
 }
 
+TEST(ModelFile, MayAllowWhatGrows) {
+  for (const std::string& growing : {model_text_with("[1.35, 0.0]", "[13.5, 0.0]"),
+                                     kModelText + "channel: {loss: {probability: 0.5, on_loss: [2.5, -1.5]}}\n"}) {
+    EXPECT_EQ(problems_in(growing + "allow_unstable: true\n"), Problems{});
+    EXPECT_EQ(problems_in(growing + "allow_unstable: false\n").size(), 1u);
+  }
+}
+
 TEST(ModelFile, DescribesThePapersExample) {
   const PlatoonModel model = parse_model(load_yaml(PLATOON_SOURCE_DIR "/config/paper.yaml"));
   const PlatoonModel expected = paper_platoon();

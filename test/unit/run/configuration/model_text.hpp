@@ -79,16 +79,6 @@ inline testing::AssertionResult is_problem(const Problems& problems, const std::
   return testing::AssertionFailure() << testing::PrintToString(problems) << " is not one problem: " << start;
 }
 
-/// A part of a text, another in its place, and the beginning of the only problem that the text then has.
-struct InvalidPart {
-  std::string part, other, problem;
-};
-
-inline void expect_problems(const std::string& text, const std::vector<InvalidPart>& cases) {
-  for (const auto& [part, other, problem] : cases)
-    EXPECT_TRUE(is_problem(problems_in(replaced(text, part, other)), problem));
-}
-
 /// Whether one of the problems begins with this text.
 inline testing::AssertionResult is_among(const Problems& problems, const std::string& start) {
   return testing::AssertionResult(std::any_of(problems.begin(), problems.end(),
