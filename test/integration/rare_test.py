@@ -179,14 +179,14 @@ class Rare(RareTest):
                     best = sp.rare(model, realizations=200000, seed=777, **options)
                     known, error = best.probability[0], best.standard_error[0]
                 found = [sp.rare(model, realizations=400, seed=seed, method=method, **options) for seed in range(1, 201)]
-                covered = sum(not known < one.lower[0] and known <= one.upper[0] for one in found)
+                covered = sum(one.lower[0] <= known <= one.upper[0] for one in found)
                 # 190 are expected with a standard deviation of 3.1. Intervals of a splitting may be wider, by what its repetitions miss.
                 self.assertGreaterEqual(covered, 178)
                 estimates = np.array([one.probability[0] for one in found])
                 self.assert_agree(estimates.mean(), estimates.std(ddof=1) / math.sqrt(200.0), known, error, 4.0)
 
-    def test_few_paths_over_many_levels_have_an_upper_limit_and_no_interval(self):
-        """Half of the weight of these seeds is that of one repetition, and their estimates are 5 to 35 times too small."""
+    def test_the_upper_limit_of_few_paths_over_many_levels_holds(self):
+        """The estimates of these seeds are 5 to 35 times too small: half of the weight or more is that of one repetition."""
         car = {"plant": {"actuator_lag": 0.4, "input_delay": 0.2}, "controller": {"kp": 0.47, "kd": 1.0, "headway_filter": True}, "time_headway": 12.0,
                "noise_variance": 0.3, "start": "steady", "leader": {"speed": [{"from_step": 0, "value": 15.0}]}, "standstill_distance": 15.0,
                "sample_period": 0.1, "initial_position": {"mean": 0.0, "variance": 0.0}}
@@ -196,8 +196,8 @@ class Rare(RareTest):
             name = "seed_{}".format(seed)
             row = self.estimate(name, model, realizations=1000, method="split", seed=seed, **options)["1"]
             self.assertTrue(row["probability"] < 0.2 * exact and row["standard_error"] > 0.4 * row["probability"], row)
-            self.assertTrue(math.isnan(row["lower"]) and exact < row["upper"] < 1.0, (row, exact))
-            self.assertRegex(self.document(name)["problems"]["1"], r"row 1: an error of \d\d % is too large for an interval: realizations must be more")
+            self.assertTrue(row["lower"] < row["probability"] and exact < row["upper"] < 1.0, (row, exact))
+            self.assertRegex(self.document(name)["problems"]["1"], r"row 1: an error of \d\d % is too large for an upper end: it is that of gaps below 3\d")
 
     @unittest.skipIf(openturns is None, "needs python3-openturns, which Debian 12 and 13 have")
     def test_agrees_with_subset_simulation_by_openturns(self):

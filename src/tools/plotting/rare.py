@@ -14,7 +14,6 @@ from plotting import style
 from plotting.values import Array
 
 LN10 = np.log(10.0)
-LARGEST_ERROR = 0.2  # relative: estimates with a larger one have no interval
 
 
 def distance_of(run: sp.Rare) -> float:
@@ -23,9 +22,8 @@ def distance_of(run: sp.Rare) -> float:
 
 
 def interval(logarithm: Array, error: Array, lower: Array, upper: Array) -> Any:
-    """Lengths of the error bars on the common logarithm; by the relative error where an end is below the range of double, and 0 where it
-    does not exist."""
-    about = np.where(error <= LARGEST_ERROR, 1.96 * error / LN10, 0.0)
+    """Lengths of the error bars on the common logarithm; by the relative error where an end is below the range of double."""
+    about = 1.96 * error / LN10
     with np.errstate(invalid="ignore", divide="ignore"):
         down = np.where(lower > 0.0, logarithm - np.log10(lower), about)
         up = np.where(upper > 0.0, np.log10(upper) - logarithm, about)

@@ -42,8 +42,6 @@ struct Estimate {
     reach = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975) *
             std::sqrt(relative_error * relative_error + kUnseen * kUnseen / (n * n));
   }
-
-  bool has_interval() const { return relative_error <= kLargestError; }
 };
 
 // `weights`: of the row's nested events.
@@ -72,17 +70,18 @@ RareRow row_of(const Configuration& configuration, const RareEstimator& estimato
       of.log_probability = limited(own.log_probability);
       of.log_per_hour = log_per_hour(configuration, of.log_probability);
       of.relative_error = own.relative_error;
-      if (own.has_interval())
-        of.log_lower = limited(own.log_probability - own.reach);
-      else if (!std::isnan(own.relative_error))
-        of.problem = formatted("row %s: an error of %.0f %% is too large for an interval: realizations must be more",
-                               of.vehicle.c_str(), 100.0 * own.relative_error);
+      if (!std::isnan(own.reach)) of.log_lower = limited(own.log_probability - own.reach);
     }
   }
-  const auto deepest =
-      std::find_if(nested.rbegin(), nested.rend(), [](const Estimate& each) { return each.has_interval(); });
-  if (deepest != nested.rend())
-    of.log_upper = limited(std::max(deepest->log_probability + deepest->reach, of.log_probability));
+  std::size_t deepest = nested.size();
+  while (deepest > 1 && !(nested[deepest - 1].relative_error <= kLargestError)) --deepest;
+  if (deepest == 0 || std::isnan(nested[deepest - 1].reach)) return of;
+  const double upper = nested[deepest - 1].log_probability + nested[deepest - 1].reach;
+  of.log_upper = limited(std::max(upper, nested.back().log_probability + nested.back().reach));
+  if (deepest < nested.size() && of.problem.empty())
+    of.problem = formatted(
+        "row %s: an error of %.0f %% is too large for an upper end: it is that of gaps below %g m; realizations must be more for a nearer one",
+        of.vehicle.c_str(), 100.0 * of.relative_error, estimator.levels(row)[deepest - 1]);
   return of;
 }
 

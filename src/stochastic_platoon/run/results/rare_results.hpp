@@ -25,7 +25,7 @@ struct RareRow {
   double log_lower, log_upper;  ///< ends of the interval of 95 %
   double log_bound;             ///< upper bound of the theory
   double log_per_hour;          ///< -ln(1 - P) per hour of the counted steps
-  std::string problem = {};     ///< the reason why there is no estimate, or no interval; empty: both exist
+  std::string problem = {};     ///< the reason why there is no estimate, or no upper end of its own
 };
 
 /// ln of the events per hour, -ln(1 - P) over the hours that count, from ln P.
@@ -34,11 +34,10 @@ double log_per_hour(const Configuration& configuration, double log_probability);
 /// The rows of the followers 1, 2, ... and of any of them.
 ///
 /// The interval is that of a normal logarithm, by Student's t: P exp(-/+ t s), s the relative standard error, at least
-/// 1.5 / n for n samples, as these do not show what happens once in n samples. Where s is above 0.2, few of the samples
-/// make up the estimate, which is then mostly too small: such an interval would not cover P. There is no lower end
-/// then, and the upper one is that of the deepest of the row's nested events whose s is at most 0.2, as P is below its
-/// probability. Estimate and interval are cut off at the limits of the theory. `weights`: of all nested events of all
-/// rows.
+/// 1.5 / n for n samples, as these do not show what happens once in n samples. Behind the first of several nested
+/// events, an s above 0.2 means that few of the samples make up the estimate, which is then mostly too small. The upper
+/// end is at least that of the deepest of the row's events whose s is at most 0.2, as P is below its probability.
+/// Estimate and interval are cut off at the limits of the theory. `weights`: of all nested events of all rows.
 std::vector<RareRow> rare_rows(const Configuration& configuration, const RareEstimator& estimator,
                                const std::vector<Moments>& weights);
 
