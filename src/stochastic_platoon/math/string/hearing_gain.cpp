@@ -22,7 +22,8 @@ HearingGain::HearingGain(const PlatoonModel& model)
   }
 }
 
-double HearingGain::operator()(double w) const {
+// Over a pattern, of the companion matrices.
+Eigen::MatrixXcd HearingGain::product(double w) const {
   const CirclePoint point(w);
   const auto r = static_cast<Eigen::Index>(reach_);
   Eigen::MatrixXcd product = Eigen::MatrixXcd::Identity(r, r);
@@ -43,7 +44,18 @@ double HearingGain::operator()(double w) const {
     }
     product = companion * product;
   }
-  return reach_ == 1 ? std::abs(product(0, 0)) : product.eigenvalues().cwiseAbs().maxCoeff();
+  return product;
+}
+
+double HearingGain::operator()(double w) const {
+  const Eigen::MatrixXcd of_pattern = product(w);
+  return reach_ == 1 ? std::abs(of_pattern(0, 0)) : of_pattern.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+bool HearingGain::falls_apart() const {
+  constexpr double kLow = 1e-10;      // [rad/sample], near enough to 0 for every headway
+  constexpr double kRounding = 1e-7;  // of an eigenvalue, also of a defective one
+  return (product(kLow).eigenvalues().cwiseAbs().array() > 1.0 - kRounding).count() > 1;
 }
 
 HearingGain::Peak HearingGain::peak() const {

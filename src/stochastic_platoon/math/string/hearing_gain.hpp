@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -17,6 +18,11 @@ public:
 
   double operator()(double w) const;
 
+  /// Whether the product has more than one eigenvalue of modulus 1 at w = 0, all but one of them modes in which the
+  /// vehicles of the string are not all at one place: whoever hears whom then forms strings that do not hear each
+  /// other, and the variances of the distances between these grow without bound.
+  bool falls_apart() const;
+
   struct Peak {
     double gain, frequency;
   };
@@ -25,6 +31,7 @@ public:
   Peak peak() const;
 
 private:
+  Eigen::MatrixXcd product(double w) const;
   std::size_t first() const { return (reach_ / period_ + 1) * period_ + 1; }
 
   const PlatoonModel& model_;

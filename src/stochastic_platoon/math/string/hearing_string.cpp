@@ -114,8 +114,11 @@ JudgedGain hearing_gain(const PlatoonModel& model) {
   const HearingGain::Peak peak = gain.peak();
   if (peak.gain > 1.0 + kDoubt) return {Sign::kBelow, peak.gain - 1.0, peak.frequency};
   const double at_zero = gain(1e-5);
-  return {1.0 - gain(kLowFrequency) > kDoubt * kLowFrequency ? Sign::kAbove : Sign::kZero,
-          std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0, at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
+  JudgedGain judged{1.0 - gain(kLowFrequency) > kDoubt * kLowFrequency ? Sign::kAbove : Sign::kZero,
+                    std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0,
+                    at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
+  judged.falls_apart = gain.falls_apart();
+  return judged;
 }
 
 StringEnd hearing_limit(const PlatoonModel& model) try {
@@ -137,6 +140,7 @@ double hearing_gain_margin(const PlatoonModel& model) {
   const double radius = std::max(hearing_spectral_radius(model), hearing_growth(model));
   if (!(radius < 1.0)) return 1.0 - radius;
   const HearingGain gain(model);
+  if (gain.falls_apart()) return -1.0;
   const double beyond = gain.peak().gain - 1.0 - kDoubt;
   return beyond > 0.0 ? -beyond : (1.0 - gain(kLowFrequency)) / kLowFrequency - kDoubt;
 }

@@ -26,6 +26,7 @@ struct JudgedGain {
   double frequency;            ///< its frequency [rad/sample]
   bool is_one = false;         ///< at every frequency
   bool grows_at_zero = false;  ///< see LinkedPattern::grows_at_zero()
+  bool falls_apart = false;    ///< see HearingGain::falls_apart()
 };
 JudgedGain hearing_gain(const PlatoonModel& model);
 

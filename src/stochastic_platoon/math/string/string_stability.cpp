@@ -56,6 +56,9 @@ bool judge(const JudgedGain& gain, const PlatoonModel& model, StringStability& v
     verdict.reason = formatted(
         "undecided: %s is 1 at %s to the rounding of the model's numbers, so that they do not determine whether it stays below 1",
         name.c_str(), at.c_str());
+  } else if (gain.falls_apart) {
+    verdict.reason =
+        "not string stable: by whom they hear, the vehicles form strings that do not hear each other, and the variances of the distances between these grow without bound";
   } else if (gain.grows_at_zero) {
     verdict.reason = "not string stable: " + name + " < 1 for all w > 0, but 1 - " + name +
                      "^2 vanishes so fast at w = 0 that the variances grow without bound";

@@ -47,7 +47,9 @@ struct StringStability {
 ///     [ T_i,i-1  T_i,i-2  ...  T_i,i-r ]
 ///     [ 1        0        ...  0       ]  ...
 ///
-/// sought on a grid of frequencies and refined, for one vehicle ahead |T|. Inputs from the leader add noise alone.
+/// sought on a grid of frequencies and refined, for one vehicle ahead |T|. Inputs from the leader add noise alone. At
+/// w = 0 one eigenvalue may be 1, in whose mode all vehicles move alike. With another of modulus 1 (as where all hear
+/// the second vehicle ahead, and -1 is one) the variances of the distances grow without bound: not string stable.
 /// `cross_spectra`: in this way also where vehicles hear their predecessors.
 ///
 /// Throws std::invalid_argument for a model without theory: see no_theory().

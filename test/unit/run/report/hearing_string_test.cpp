@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_theory.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "unit/messages.hpp"
@@ -46,6 +48,31 @@ TEST(HearingString, IsJudgedByItsCompanionMatrix) {
 }
 
 // The settled table and the spectra are computed in different ways.
+// Strings that hear the second vehicle ahead alone, and one in which every other vehicle does.
+TEST(HearingString, IsNotStableIfItFallsApart) {
+  const std::string second = R"(
+sample_period: 0.1
+time_headway: 20
+standstill_distance: 5.0
+plant: {actuator_lag: 0.1, input_delay: 0.2}
+controller: {kp: 0.2, kd: 0.7, headway_filter: true}
+inputs: [{signal: position, from: 2, noise_variance: 0.01}])";
+  const PlatoonModel apart = hearing_model(second);
+  const StringStability verdict = string_stability(apart);
+  EXPECT_FALSE(verdict.string_stable || verdict.undecided || verdict.limit_variance);
+  EXPECT_TRUE(contains(verdict.reason, "form strings that do not hear each other")) << verdict.reason;
+  const std::vector<double> variances = stationary_variances(apart, 400);
+  EXPECT_NEAR(variances[399] / variances[99], 2.0, 0.1) << "like the square root of the number of vehicles";
+  EXPECT_TRUE(stable_headways(apart)->intervals.empty());
+  for (const bool all : {true, false}) {
+    const PlatoonModel types = hearing_model(
+        second + "\nvehicle_types: {near: {inputs: [{signal: position, noise_variance: 0.02}]}}\nstring: [" +
+        (all ? "default, default" : "default, near") + "]");
+    EXPECT_EQ(string_stability(types).string_stable, !all) << string_stability(types).reason;
+    EXPECT_EQ(string_stability(types).limit_variance.has_value(), !all);
+  }
+}
+
 TEST(HearingString, HasTablesThatSettleToTheStationaryValues) {
   for (const char* text : {kPath, kTwoAhead, kLeaderShare}) {
     const PlatoonModel model = hearing_model(text);
