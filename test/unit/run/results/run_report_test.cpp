@@ -13,6 +13,8 @@
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "unit/messages.hpp"
 #include "unit/monte_carlo.hpp"
+#include "unit/run/configuration/model_text.hpp"
+#include "unit/run/report/hearing_models.hpp"
 #include "unit/run/results/result_with.hpp"
 
 namespace platoon {
@@ -113,6 +115,21 @@ TEST_F(ReportTest, ReportsAMeasuredVarianceAboveTheLimitOfTheVerdict) {
   EXPECT_EQ(report_with_limit(2.3).find("MEASUREMENT AND VERDICT DISAGREE"), std::string::npos);
   const std::string text = report_with_limit(0.5);
   EXPECT_NE(text.find("MEASUREMENT AND VERDICT DISAGREE: the measured variance of follower 1 is "), std::string::npos);
+}
+
+// Whoever hears the leader in another way than the vehicles far behind may have a larger variance than these.
+TEST_F(ReportTest, ExpectsFirstFollowersAboveTheLimitInAStringThatHearsOthers) {
+  configuration_.model = hearing_model(replaced(kTwoAhead, "time_headway: 8", "time_headway: 20"));
+  configuration_.run.steps = 3000;
+  configuration_.run.realizations = 20000;
+  predict_again();
+  RunResult result = this->result();
+  EXPECT_FALSE(measured_growth(configuration_, prediction_, result));
+  ASSERT_TRUE(prediction_.stability.limit_variance);
+  prediction_.stability.limit_variance = 0.5 * prediction_.stationary_variance[0];
+  EXPECT_FALSE(measured_growth(configuration_, prediction_, result));
+  for (Moments& of : result.moments) of.squared_deviations *= 40.0;
+  EXPECT_TRUE(measured_growth(configuration_, prediction_, result));
 }
 
 TEST_F(ReportTest, ReportsFiguresOfTheTheoryThatContradictEachOther) {
