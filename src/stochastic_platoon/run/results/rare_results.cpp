@@ -19,8 +19,8 @@ namespace platoon {
 namespace {
 
 constexpr double kSecondsPerHour = 3600.0;
-constexpr double kUnseen = 1.5;  // samples
-constexpr double kLargestError = 0.2;
+constexpr double kUnseen = 1.5;        // samples
+constexpr double kLargestError = 0.2;  // of a splitting, relative
 using boost::math::double_constants::ln_ten;
 
 // ln(-ln(1 - P)).
