@@ -24,15 +24,17 @@ double normal_score(double probability) {
 /// ln(w / r) / r with w = (ratio - 1) sqrt(freedom / 2) (O. E. Barndorff-Nielsen, Biometrika 73, 1986). Its relative
 /// error there is below 1e-3 for one degree of freedom and falls with their number.
 double chi_squared_score(double ratio, double freedom) {
-  const bool above = ratio > 1.0;
-  const double shape = 0.5 * freedom;
-  const double tail = above ? boost::math::gamma_q(shape, shape * ratio, Policy())
-                            : boost::math::gamma_p(shape, shape * ratio, Policy());
-  if (tail >= 0.5) return above ? 0.0 - normal_score(1.0 - tail) : normal_score(1.0 - tail);
-  if (tail > 1e-290) return above ? normal_score(tail) : -normal_score(tail);
+  constexpr double kFar = 40.0;  // where every tail is below 1e-290, and gamma_q may overflow
   if (ratio == 0.0) return -kInfinity;
-  const double distance = ratio - 1.0;
+  const bool above = ratio > 1.0;
+  const double shape = 0.5 * freedom, distance = ratio - 1.0;
   const double root = std::sqrt(freedom * (distance - std::log(ratio)));
+  if (!(root > kFar)) {
+    const double tail = above ? boost::math::gamma_q(shape, shape * ratio, Policy())
+                              : boost::math::gamma_p(shape, shape * ratio, Policy());
+    if (tail >= 0.5) return above ? 0.0 - normal_score(1.0 - tail) : normal_score(1.0 - tail);
+    if (tail > 1e-290) return above ? normal_score(tail) : -normal_score(tail);
+  }
   const double score = root + std::log(std::abs(distance) * std::sqrt(shape) / root) / root;
   return above ? score : -score;
 }

@@ -14,6 +14,7 @@ namespace platoon {
 namespace {
 
 constexpr double kSettled = 1e-4, kRounding = 1e-5;  // relative
+constexpr double kDecayed = 1e-12;  // what is left of the start, or of a variance that only the start has
 
 bool differ(double one, double other, double share) {
   return std::abs(one - other) > share * std::max(std::abs(one), std::abs(other));
@@ -37,6 +38,8 @@ std::optional<std::string> between_table_and_stationary_value(const TheoryFigure
   for (std::size_t i = 1; i <= settled; ++i) {
     const double last = of.variance[cell(i, steps - 1, steps)], stationary = of.stationary_variance[i - 1];
     if (!std::isfinite(last) || !std::isfinite(stationary) || !differ(last, stationary, kSettled)) continue;
+    const auto row = of.variance.begin() + static_cast<std::ptrdiff_t>(cell(i, 0, steps));
+    if (std::abs(last - stationary) <= kDecayed * *std::max_element(row, row + steps)) continue;
     return formatted("the %s at step %lld is %s, but the stationary variance is %s", variance_of(of, i).c_str(),
                      static_cast<long long>(steps - 1), value_of(of, last).c_str(), value_of(of, stationary).c_str());
   }

@@ -26,8 +26,9 @@ constexpr char kNoFourthMoments[] =
     "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the means alone are judged";
 
 // Widens bounds of rounding to a nanometre, or to 1e-9 of a mean that grows: runs and chain_moments() round their means
-// in different ways, and a cell without variance has no other tolerance.
-void allow_rounding_of_means(Prediction& prediction) {
+// in different ways, and a cell without variance, or with one that has decayed to less than rounding, has no other
+// tolerance.
+void allow_rounding(Prediction& prediction) {
   prediction.rounding.resize(prediction.mean.size());
   for (std::size_t c = 0; c < prediction.mean.size(); ++c)
     prediction.rounding[c] = std::max(prediction.rounding[c], 1e-9 * std::max(1.0, std::abs(prediction.mean[c])));
@@ -130,7 +131,7 @@ Prediction theory_of(const Configuration& configuration) {
     prediction.mean.swap(moments.errors.mean);
     prediction.variance.swap(moments.errors.variance);
     prediction.signals.swap(moments.signals);
-    if (of_chain) allow_rounding_of_means(prediction);
+    if (of_chain || !plain) allow_rounding(prediction);
     add_bounds_of_signals(configuration, prediction);
   }
   const std::vector<double> none;

@@ -68,6 +68,17 @@ TEST(Scores, OfTheVarianceContinueBeyondTheRangeOfDouble) {
   }
 }
 
+// A variance of rounding over one that has decayed.
+TEST(Scores, OfTheVarianceExistAtEveryRatio) {
+  for (const std::uint64_t count : {2u, 400u, 1000000u}) {
+    for (const double ratio : {1e10, 1e40, 1e200, 1e300}) {
+      const double z = scores(measured(count, 0.0, ratio), 0.0, 1.0).variance;
+      EXPECT_GT(z, 1e4) << count << " values, ratio " << ratio;
+    }
+    EXPECT_LT(scores(measured(count, 0.0, 1e-300), 0.0, 1.0).variance, 0.0);
+  }
+}
+
 TEST(Scores, OfManyValuesAreDistancesInStandardErrors) {
   const std::uint64_t count = 100000000;
   const double error = 0.6 * std::sqrt(2.0 / static_cast<double>(count - 1));

@@ -61,6 +61,18 @@ TEST(Contradictions, AreFoundBetweenTheTableAndTheStationaryVariance) {
   EXPECT_NE(figures.contradictions().front().find("follower 4 at step 299"), std::string::npos);
 }
 
+// Without noise the initial positions alone have a variance, which decays below every number.
+TEST(Contradictions, AreNoneWhereOnlyTheStartIsRandom) {
+  PlatoonModel model = paper_platoon();
+  model.default_vehicle().position().noise_variance = 0.0;
+  model.default_vehicle().initial_position.variance = 0.5;
+  const Figures figures(model, 3, 300);
+  EXPECT_EQ(settled_followers(model, 3, 300), 3U);
+  EXPECT_GT(figures.moments.variance[299], 0.0);
+  EXPECT_EQ(figures.stationary[0], 0.0);
+  EXPECT_EQ(figures.contradictions(), std::vector<std::string>());
+}
+
 TEST(Contradictions, AreFoundInSignals) {
   Figures figures(paper_platoon(), 20, 300);
   figures.signals[1].variance[3 * 300 + 299] *= 1.001;
