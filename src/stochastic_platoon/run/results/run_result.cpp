@@ -168,7 +168,7 @@ std::string largest_score(const Agreement& of) {
 
 std::optional<std::string> measured_growth(const Configuration& configuration, const Prediction& prediction,
                                            const RunResult& result) {
-  constexpr double kScore = 6.0;
+  constexpr double kScore = 6.0, kRounding = 1e-9;  // [m]
   const RunOptions& run = configuration.run;
   const std::optional<double> limit = prediction.stability.limit_variance;
   if (!limit || result.moments.empty()) return std::nullopt;
@@ -181,8 +181,9 @@ std::optional<std::string> measured_growth(const Configuration& configuration, c
   for (std::size_t i = 1; i <= settled; ++i) {
     const ResultCell of = cells.of(i, run.steps - 1);
     const double measured = of.measured.variance(), error = standard_error_of_variance(of);
-    const double allowed = rises ? *limit : std::max(*limit, prediction.stationary_variance[i - 1]);
-    if (!(measured - kScore * error > allowed)) continue;
+    const double known_limit = rises ? *limit : std::max(*limit, prediction.stationary_variance[i - 1]);
+    const double deviation = std::sqrt(known_limit) + std::max(of.rounding, kRounding);
+    if (!(measured - kScore * error > deviation * deviation)) continue;
     return formatted(
         "the measured variance of follower %zu is %.6g m^2 with a standard error of %.2g m^2, but the platoon is judged string stable with a limit of %.6g m^2",
         i, measured, error, *limit);

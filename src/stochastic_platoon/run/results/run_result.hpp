@@ -100,8 +100,8 @@ std::optional<Agreement> signal_agreement(const RunOptions& run, const Predictio
 std::string largest_score(const Agreement& of);
 
 /// A sentence if a follower whose variance has settled is measured above the limit of a platoon that is judged string
-/// stable, by more than six standard errors, and where others than predecessors are heard also above its own stationary
-/// variance; none otherwise.
+/// stable, by more than six standard errors and a rounding of a nanometre, and where others than predecessors are heard
+/// also above its own stationary variance; none otherwise.
 std::optional<std::string> measured_growth(const Configuration& configuration, const Prediction& prediction,
                                            const RunResult& result);
 

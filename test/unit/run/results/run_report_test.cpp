@@ -117,6 +117,19 @@ TEST_F(ReportTest, ReportsAMeasuredVarianceAboveTheLimitOfTheVerdict) {
   EXPECT_NE(text.find("MEASUREMENT AND VERDICT DISAGREE: the measured variance of follower 1 is "), std::string::npos);
 }
 
+TEST_F(ReportTest, TakesRoundingForNoGrowth) {
+  configuration_.run.steps = 200;
+  configuration_.model.default_vehicle().position().noise_variance = 0.0;
+  configuration_.model.default_vehicle().initial_position.variance = 0.0;
+  predict_again();
+  ASSERT_EQ(prediction_.stability.limit_variance, 0.0);
+  RunResult result = this->result();
+  for (const double variance : {1e-22, 1e-12}) {
+    for (Moments& of : result.moments) of.squared_deviations = variance * static_cast<double>(of.count);
+    EXPECT_EQ(measured_growth(configuration_, prediction_, result).has_value(), variance > 1e-20) << variance;
+  }
+}
+
 // Whoever hears the leader in another way than the vehicles far behind may have a larger variance than these.
 TEST_F(ReportTest, ExpectsFirstFollowersAboveTheLimitInAStringThatHearsOthers) {
   configuration_.model = hearing_model(replaced(kTwoAhead, "time_headway: 8", "time_headway: 20"));
