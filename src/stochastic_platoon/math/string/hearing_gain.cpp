@@ -54,7 +54,7 @@ double HearingGain::operator()(double w) const {
 
 bool HearingGain::falls_apart() const {
   constexpr double kLow = 1e-10;      // [rad/sample], near enough to 0 for every headway
-  constexpr double kRounding = 1e-7;  // of an eigenvalue, also of a defective one
+  constexpr double kRounding = 1e-7;  // bounds the rounding of an eigenvalue, defective ones included
   return (product(kLow).eigenvalues().cwiseAbs().array() > 1.0 - kRounding).count() > 1;
 }
 

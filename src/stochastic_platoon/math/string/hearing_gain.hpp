@@ -18,9 +18,9 @@ public:
 
   double operator()(double w) const;
 
-  /// Whether the product has more than one eigenvalue of modulus 1 at w = 0, all but one of them modes in which the
-  /// vehicles of the string are not all at one place: whoever hears whom then forms strings that do not hear each
-  /// other, and the variances of the distances between these grow without bound.
+  /// Whether the product has more than one eigenvalue of modulus 1 at w = 0. In the mode of the eigenvalue 1 all
+  /// vehicles move alike. Another one means that the vehicles form strings that do not hear each other, and the
+  /// variances of the distances between these strings grow without bound.
   bool falls_apart() const;
 
   struct Peak {

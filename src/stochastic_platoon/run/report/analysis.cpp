@@ -104,9 +104,9 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))
     analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
   const bool needs_signals = needs_any({"signals", "collision", "amplification"});
+  const std::vector<std::string> names = needs_signals ? signals.all_names() : std::vector<std::string>();
   if (needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
-    StringMoments moments =
-        string_moments(model, needs_signals ? signals.all_names() : std::vector<std::string>(), followers, steps);
+    StringMoments moments = string_moments(model, names, followers, steps);
     analysis.moments = std::move(moments.errors);
     analysis.signals.moments = std::move(moments.signals);
     analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
@@ -133,7 +133,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     const std::vector<StationarySignal>& stationary = analysis.signals.stationary;
     for (std::size_t s = 0; s < stationary.size(); ++s)
       figures.push_back({stationary[s].followers.variance, analysis.signals.moments[s].variance,
-                         stationary[s].limit_variance(), signals.all_names()[s]});
+                         stationary[s].limit_variance(), names[s]});
     analysis.contradictions = contradictions(model, figures, steps);
   }
   return analysis;

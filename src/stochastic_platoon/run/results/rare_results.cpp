@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kSecondsPerHour = 3600.0;
 constexpr double kUnseen = 1.5;        // samples
-constexpr double kLargestError = 0.2;  // of a splitting, relative
+constexpr double kLargestError = 0.2;  // relative, up to which the interval of a splitting holds
 using boost::math::double_constants::ln_ten;
 
 // ln(-ln(1 - P)).

@@ -46,7 +46,7 @@ nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
   return written;
 }
 
-// Of the tracking errors, and of every signal by name.
+// The scores of the tracking errors, and under `signals` those of every signal by its name.
 nlohmann::json agreements_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
   nlohmann::json all = agreement_json(measured_agreement(run, prediction, result));
   for (std::size_t s = 0; s < result.signals.size(); ++s)

@@ -47,7 +47,6 @@ TEST(HearingString, IsJudgedByItsCompanionMatrix) {
   EXPECT_NEAR(two.peak_frequency, 0.0262, 6e-5);
 }
 
-// The settled table and the spectra are computed in different ways.
 // Strings that hear the second vehicle ahead alone, and one in which every other vehicle does.
 TEST(HearingString, IsNotStableIfItFallsApart) {
   const std::string second = R"(
@@ -73,6 +72,7 @@ inputs: [{signal: position, from: 2, noise_variance: 0.01}])";
   }
 }
 
+// The settled table and the spectra are computed in different ways.
 TEST(HearingString, HasTablesThatSettleToTheStationaryValues) {
   for (const char* text : {kPath, kTwoAhead, kLeaderShare}) {
     const PlatoonModel model = hearing_model(text);

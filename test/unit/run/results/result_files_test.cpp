@@ -244,9 +244,7 @@ TEST_F(ResultFilesTest, TheSummaryHasTheScoresOfEverySignal) {
 // As null they would read as if nothing had been compared.
 TEST_F(ResultFilesTest, TheSummaryHasInfiniteAndUnknownScoresAsNumbers) {
   RunResult result = this->result();
-  configuration_.model.default_vehicle().position().noise_variance = 0.0;
-  configuration_.model.default_vehicle().initial_position.variance = 0.0;
-  predict_again();
+  make_quiet();
   EXPECT_EQ(summary(result)["agreement"]["max_abs_z_variance"], 1e9);
   result.moments[0].mean = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(summary(result)["agreement"]["max_abs_z_mean"], 1e9);

@@ -58,6 +58,13 @@ protected:
     predict_again();
   }
 
+  /// Leaves the platoon without any randomness.
+  void make_quiet() {
+    configuration_.model.default_vehicle().position().noise_variance = 0.0;
+    configuration_.model.default_vehicle().initial_position.variance = 0.0;
+    predict_again();
+  }
+
   void lose_packets(const LossModel& loss) {
     configuration_.model.default_vehicle().position().link.loss = loss;
     predict_again();

@@ -119,9 +119,7 @@ TEST_F(ReportTest, ReportsAMeasuredVarianceAboveTheLimitOfTheVerdict) {
 
 TEST_F(ReportTest, TakesRoundingForNoGrowth) {
   configuration_.run.steps = 200;
-  configuration_.model.default_vehicle().position().noise_variance = 0.0;
-  configuration_.model.default_vehicle().initial_position.variance = 0.0;
-  predict_again();
+  make_quiet();
   ASSERT_EQ(prediction_.stability.limit_variance, 0.0);
   RunResult result = this->result();
   for (const double variance : {1e-22, 1e-12}) {
@@ -130,7 +128,7 @@ TEST_F(ReportTest, TakesRoundingForNoGrowth) {
   }
 }
 
-// Whoever hears the leader in another way than the vehicles far behind may have a larger variance than these.
+// Followers near the leader hear it in another way than those far behind, and may have a larger variance.
 TEST_F(ReportTest, ExpectsFirstFollowersAboveTheLimitInAStringThatHearsOthers) {
   configuration_.model = hearing_model(replaced(kTwoAhead, "time_headway: 8", "time_headway: 20"));
   configuration_.run.steps = 3000;
