@@ -1,5 +1,7 @@
 #include "stochastic_platoon/math/model/input.hpp"
 
+#include <algorithm>
+
 namespace platoon {
 
 const char* name_of(InputSignal signal) {
@@ -22,6 +24,24 @@ bool operator==(const Input& one, const Input& other) {
 
 std::size_t source_of(const Input& input, std::size_t follower) {
   return input.ahead == Input::kLeader || input.ahead > follower ? 0 : follower - input.ahead;
+}
+
+std::size_t varied_losses(const std::vector<LossPlace>& inputs) {
+  const auto is_position = [](const LossPlace& of) { return of.is_position; };
+  const bool positions_alone = std::all_of(inputs.begin(), inputs.end(), is_position);
+  std::size_t last = 0;
+  bool loses = false;
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
+    if (inputs[n].is_position && !positions_alone) continue;
+    std::size_t first = n;
+    for (std::size_t j = n; j-- > 0 && !inputs[n].packet.empty();) {
+      if (inputs[j].packet == inputs[n].packet) first = j;
+    }
+    if (loses && !inputs[first].loses) continue;
+    last = first;
+    loses = inputs[first].loses;
+  }
+  return last;
 }
 
 }  // namespace platoon

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "stochastic_platoon/math/model/link_model.hpp"
 
@@ -46,5 +47,17 @@ inline bool is_difference(InputSignal signal) {
 
 /// The vehicle that an input of a follower comes from.
 std::size_t source_of(const Input& input, std::size_t follower);
+
+/// What decides whose losses are varied, of an input.
+struct LossPlace {
+  bool is_position = true;
+  bool loses = false;
+  std::string packet = {};
+};
+
+/// The input whose losses the setting `loss` and the critical values vary, with all of its packet: of the inputs other
+/// than positions (of positions, if there are no others) the last that loses, or the last if none loses. Of a packet
+/// its first input, whose losses the others share.
+std::size_t varied_losses(const std::vector<LossPlace>& inputs);
 
 }  // namespace platoon

@@ -19,6 +19,7 @@ struct Inherited {
   bool controller = false;
   bool loss_probability = false;  ///< of VehicleModel::varied_link()
   bool mean_burst = false;        ///< of the same
+  bool inputs = false;            ///< whom it hears, and over which links
 };
 
 /// A vehicle type and its name in the model file.

@@ -33,14 +33,13 @@ const Input* VehicleModel::radio() const {
 }
 
 std::vector<std::size_t> VehicleModel::varied_inputs() const {
-  std::size_t last = inputs.size() - 1;
-  if (!hears_predecessor_only()) {
-    while (last > 0 && !inputs[last].link.loss) --last;
-    if (!inputs[last].link.loss) last = inputs.size() - 1;
-  }
+  std::vector<LossPlace> places;
+  for (const Input& input : inputs)
+    places.push_back({input.signal == InputSignal::position, input.link.loss.has_value(), input.packet});
+  const std::size_t varied = varied_losses(places);
   std::vector<std::size_t> found;
   for (std::size_t n = 0; n < inputs.size(); ++n) {
-    if (losses_of(n) == losses_of(last)) found.push_back(n);
+    if (losses_of(n) == varied) found.push_back(n);
   }
   return found;
 }

@@ -53,9 +53,7 @@ struct VehicleModel {
   /// The input whose losses input n shares: the first of its packet, else itself.
   std::size_t losses_of(std::size_t n) const;
 
-  /// The inputs whose losses with_loss() varies. They are lost together. A vehicle that hears its predecessor alone has
-  /// one of them: the radio if there is one, else the position. Any other vehicle has the packet of its last input that
-  /// loses, or of its last input if none loses.
+  /// The inputs whose losses with_loss() varies, by varied_losses(). They are lost together.
   std::vector<std::size_t> varied_inputs() const;
   const LinkModel& varied_link() const;
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
@@ -53,24 +54,40 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   return put_at(path.substr(slash + 1), value, node[key]);
 }
 
-// The path of a link's key in a model that lists its inputs: losses belong to the radio, if there is one, all other
-// keys to the position, whose values may be given at the vehicle.
+bool has_key(const YAML::Node& node, const std::string& key) {
+  return node.IsMap() && node[key];
+}
+
+// The value at a key; null unless the node is a mapping that has it.
+YAML::Node value_at(const YAML::Node& node, const char* key) {
+  return has_key(node, key) ? node[key] : YAML::Node();
+}
+
+std::string text_at(const YAML::Node& node, const char* key) {
+  const YAML::Node value = value_at(node, key);
+  return value.IsScalar() ? value.Scalar() : "";
+}
+
+// The path of a link's key in a model that lists its inputs: losses belong to the input of varied_losses(), all other
+// keys to the position. The channel of the first position may be given at the vehicle.
 std::string path_of_link(const std::string& key, const YAML::Node& model) {
   const std::string first = key.substr(0, key.find('/'));
-  if ((first != "noise_variance" && first != "channel") || !model.IsMap()) return key;
-  const YAML::Node inputs = model["inputs"];
-  if (!inputs || !inputs.IsSequence()) return key;
-  const bool of_loss = key.find("/loss") != std::string::npos;
-  std::string path = key;
-  for (std::size_t j = 0; j < inputs.size(); ++j) {
-    const YAML::Node input = inputs[j];
-    if (!input.IsMap() || !input["signal"] || !input["signal"].IsScalar()) continue;
-    const std::string signal = input["signal"].Scalar();
-    std::string here = "inputs/" + std::to_string(j) + "/" + key;
-    if (signal == "input" && of_loss) return here;
-    if (signal == "position" && input[first]) path = here;
+  const YAML::Node inputs = value_at(model, "inputs");
+  if ((first != "noise_variance" && first != "channel") || !inputs.IsSequence() || inputs.size() == 0) return key;
+  std::string of_position = key;
+  std::vector<LossPlace> places;
+  std::vector<std::string> paths;
+  bool at_vehicle = true;
+  for (const YAML::Node& input : inputs) {
+    const bool is_position = text_at(input, "signal") == "position";
+    const YAML::Node given = is_position && at_vehicle && !has_key(input, "channel") ? model : input;
+    paths.push_back(given.is(model) ? key : "inputs/" + std::to_string(paths.size()) + "/" + key);
+    const YAML::Node channel = value_at(given, "channel");
+    places.push_back({is_position, has_key(channel, "loss"), text_at(channel, "packet")});
+    if (is_position && has_key(input, first)) of_position = "inputs/" + std::to_string(paths.size() - 1) + "/" + key;
+    at_vehicle = at_vehicle && !is_position;
   }
-  return path;
+  return key.find("/loss") != std::string::npos ? paths[varied_losses(places)] : of_position;
 }
 
 // Removes the key at the path "a/b", if there is one.
@@ -98,11 +115,6 @@ void put(const Setting& setting, const std::string& value, YAML::Node& document)
     // A model that is not a mapping takes no override: read_model() reports it.
     put_model_key(setting, YAML::Node(value), document["model"]);
   }
-}
-
-// The value at a key; null unless the node is a mapping that has it.
-YAML::Node value_at(const YAML::Node& node, const char* key) {
-  return node.IsMap() && node[key] ? node[key] : YAML::Node();
 }
 
 void resolve_traces(const std::string& folder, const YAML::Node& vehicle) {

@@ -167,7 +167,10 @@ nlohmann::json to_json(const Input& input) {
 
 nlohmann::json inputs_json(const VehicleModel& vehicle) {
   nlohmann::json inputs = nlohmann::json::array();
-  for (const Input& input : vehicle.inputs) inputs.push_back(to_json(input));
+  for (std::size_t n = 0; n < vehicle.inputs.size(); ++n) {
+    inputs.push_back(to_json(vehicle.inputs[n]));
+    if (vehicle.losses_of(n) != n) inputs.back()["channel"].erase("loss");
+  }
   if (vehicle.hears_predecessor_only()) inputs.front() = {{"signal", "position"}, {"from", "predecessor"}};
   return inputs;
 }

@@ -93,11 +93,15 @@ VehicleModel read_vehicle(Section& section, const VehicleModel* base, double sam
 }
 
 Inherited inherited_by(Section& type, const VehicleModel& base) {
-  const bool own_loop = type.has("closed_loop"), loses = base.varied_link().loss.has_value();
+  const bool own_loop = type.has("closed_loop"), inputs = !type.has("inputs");
+  const bool losses = inputs && base.varied_link().loss, of_position = &base.varied_link() == &base.position().link;
   Inherited inherited{!type.has("time_headway") && !type.has("time_headway_seconds") && !type.has("spacing"),
-                      !own_loop && !type.has("plant"), !own_loop && !type.has("controller"),
-                      loses && !type.has("inputs"), loses && !type.has("inputs")};
-  if (!inherited.loss_probability || base.radio() != nullptr || !type.has("channel")) return inherited;
+                      !own_loop && !type.has("plant"),
+                      !own_loop && !type.has("controller"),
+                      losses,
+                      losses,
+                      inputs};
+  if (!losses || !of_position || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
   Section loss = channel.section("loss");
@@ -252,12 +256,12 @@ nlohmann::json to_json(const PlatoonModel& model) {
     if (type.inherited.controller) written.erase("controller");
     if (type.inherited.plant && type.inherited.controller) written.erase("closed_loop");
     if (!plain || !type.vehicle.hears_predecessor_only()) {
-      written["inputs"] = inputs_json(type.vehicle);
+      if (!type.inherited.inputs || type.vehicle.inputs != own.inputs) written["inputs"] = inputs_json(type.vehicle);
       continue;
     }
     const Input *const radio = type.vehicle.radio(), *const other = own.radio();
     const bool same_radio = radio != nullptr && other != nullptr ? *radio == *other : radio == other;
-    if (!same_radio || (base.loss && !type.vehicle.position().link.loss)) {
+    if (!type.inherited.inputs || !same_radio || (base.loss && !type.vehicle.position().link.loss)) {
       written["inputs"] = inputs_json(type.vehicle);
       continue;
     }

@@ -104,6 +104,52 @@ TEST(InputsSection, IsOverriddenInTheInputOfTheSetting) {
   EXPECT_EQ(overridden(kCarText + "noise_variance: 0.3\n", "loss", "0.4").position().link.loss->probability, 0.4);
 }
 
+TEST(InputsSection, LosesByTheSettingWhatCriticalValuesVary) {
+  const std::string
+      car = kCarText + "inputs:\n",
+      near = "  - {signal: position, noise_variance: 0.01, weight: 0.6, channel: {loss: {probability: 0.2}}}\n",
+      far = "  - {signal: position, from: 2, noise_variance: 0.01, weight: 0.4}\n",
+      alone = "  - {signal: position, noise_variance: 0.01, channel: {loss: {probability: 0.2}}}\n",
+      speed =
+          "  - {signal: speed, from: leader, gain: 0.1, noise_variance: 0.1, channel: {packet: of leader, loss: "
+          "{probability: 0.1, mean_burst: 2}}}\n",
+      acceleration =
+          "  - {signal: acceleration, from: leader, gain: 0.1, noise_variance: 0.1, channel: {packet: of leader}}\n",
+      quiet = "  - {signal: acceleration, from: 2, gain: 0.1, noise_variance: 0.1}\n",
+      types =
+          "vehicle_types: {slow: {time_headway: 400}, deaf: {inputs: [{signal: position, noise_variance: 0.02}]}}\n"
+          "string: [default, slow, deaf]\n";
+  const auto lossy = [](const std::string& text) {
+    YAML::Node document;
+    document["model"] = YAML::Load(text);
+    override_value(document, "loss", YAML::Node("0.4"));
+    return to_json(parse_model(document["model"]));
+  };
+  const std::pair<std::string, std::size_t> cases[] = {
+      {near + far, 0},
+      {far + near, 1},
+      {alone + speed + acceleration, 1},
+      {acceleration + alone + replaced(speed, "loss: {probability: 0.1, mean_burst: 2}", "delay: 1"), 0},
+      {alone + speed + acceleration + quiet, 1},
+      {alone + replaced(speed, "probability: 0.1, mean_burst: 2", "markov: {transition: [[1]], probability: [0.1]}"),
+       1},
+      {quiet + alone, 0},
+      {alone + kRadio + quiet, 1}};
+  for (const auto& [inputs, varied] : cases) {
+    const PlatoonModel model = model_of(car + inputs + types);
+    EXPECT_EQ(model.default_vehicle().varied_inputs().front(), varied) << inputs;
+    const std::string copy = to_json(model).dump();
+    const nlohmann::json changed = lossy(car + inputs + types);
+    EXPECT_EQ(lossy(copy), changed) << inputs;
+    EXPECT_EQ(changed["inputs"][varied]["channel"]["loss"]["probability"], 0.4) << inputs;
+    if (model.default_vehicle().varied_link().loss && !model.default_vehicle().varied_link().loss->mean_burst) {
+      EXPECT_EQ(to_json(with_loss(model, 0.4)), changed) << inputs;
+    }
+    EXPECT_FALSE(changed["vehicle_types"]["slow"].contains("inputs")) << "inherited";
+    EXPECT_EQ(changed["vehicle_types"]["deaf"]["inputs"], to_json(model)["vehicle_types"]["deaf"]["inputs"]);
+  }
+}
+
 TEST(InputsSection, AcceptsARecordedLeader) {
   const std::string recorded = replaced(kCarText, "{speed: [{from_step: 0, value: 20.0}]}", "{positions: [0, 0, 0]}");
   EXPECT_EQ(problems_in(recorded + kInputs), Problems{});
