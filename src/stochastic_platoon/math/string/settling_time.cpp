@@ -50,7 +50,7 @@ std::optional<std::int64_t> SettlingTime::steps(std::size_t followers) const {
     for (const Input& input : vehicle.inputs) longest = std::max(longest, input.link.delay);
     delays += static_cast<double>(vehicle.loop.realization.order()) + static_cast<double>(longest);
   }
-  const double n = static_cast<double>(followers), l = std::log(1e6);
+  const double n = static_cast<double>(followers), l = -std::log(kRestOfStart);
   const double decay = radius_ > 0.0 ? (n + std::sqrt(2.0 * n * l) + l) / -std::log(radius_) : 0.0;
   return static_cast<std::int64_t>(std::ceil(delays + decay));
 }

@@ -23,8 +23,10 @@ private:
   double radius_ = 0.0;                 ///< rho
 };
 
-/// Steps after which the transient of the start has decayed to 1e-6 at follower N; none if a vehicle of the string is
-/// unstable:
+constexpr double kRestOfStart = 1e-6;
+
+/// Steps after which the transient of the start has decayed to kRestOfStart at follower N; none if a vehicle of the
+/// string is unstable:
 /// \f[ k = \sum_i (n_i + m_i) + \frac{N + \sqrt{2 N L} + L}{-\ln \rho}, \qquad L = \ln 10^6, \f]
 /// the quantile of a sum of N exponential delays with the slowest decay (B. Laurent and P. Massart, Ann. Statist. 28,
 /// 2000, lemma 1). rho is the largest modulus of a pole of the closed loops, the leader's included, and noise filters,

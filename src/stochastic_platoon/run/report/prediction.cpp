@@ -34,6 +34,16 @@ void allow_rounding(Prediction& prediction) {
     prediction.rounding[c] = std::max(prediction.rounding[c], 1e-9 * std::max(1.0, std::abs(prediction.mean[c])));
 }
 
+// An average over time without noise has no standard error, but what the burn-in leaves of the start, and rounding.
+void allow_rest_of_start(const PlatoonModel& model, Prediction& prediction) {
+  double fastest = 0.0, start = 1.0;
+  for (const SpeedChange& change : model.leader.changes()) fastest = std::max(fastest, std::abs(change.value));
+  for (const VehicleType& type : model.types)
+    start = std::max(start, (1.0 + type.vehicle.headway) * model.sample_period * fastest);
+  for (const double variance : prediction.variance)
+    prediction.rounding.push_back(variance == 0.0 ? kRestOfStart * start : 0.0);
+}
+
 Prediction no_prediction(const Configuration& configuration, const std::string& reason) {
   const RunOptions& run = configuration.run;
   const std::size_t cells =
@@ -119,6 +129,7 @@ Prediction theory_of(const Configuration& configuration) {
     prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
                                                      : stationary_means(configuration.model, run.followers);
     prediction.variance = prediction.stationary_variance;
+    allow_rest_of_start(configuration.model, prediction);
     prediction.warning = burn_in_warning(configuration);
     if (prediction.warning.empty() && !has_bursts(configuration.model) && plain)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);

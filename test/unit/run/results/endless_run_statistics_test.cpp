@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "stochastic_platoon/math/string/settling_time.hpp"
 #include "unit/run/results/run_statistics_fixture.hpp"
 
 namespace platoon {
@@ -55,6 +58,22 @@ TEST_F(EndlessRunStatisticsTest, LeaveOutAManoeuvreOfTheLeader) {
   EXPECT_EQ(statistics.averages().moments()[1].count, 130u - 31u);  // 61 .. 91
   EXPECT_EQ(undisturbed.result(false).counted_from, 30);
   EXPECT_EQ(statistics.result(false).counted_from, 92);
+}
+
+TEST_F(EndlessRunStatisticsTest, AgreeWithoutNoiseButForTheRestOfTheStart) {
+  configuration_.model.default_vehicle().position().noise_variance = 0.0;
+  const std::int64_t needed = *settling_steps(configuration_.model, 2);
+  configuration_.run.burn_in = needed;
+  const Prediction prediction = predict(configuration_);
+  const auto agreement = [&](std::int64_t burn_in) {
+    configuration_.run.burn_in = burn_in;
+    RunStatistics statistics(configuration_, std::nullopt);
+    receive_batch(statistics, 1, 0, burn_in + 3000);
+    EXPECT_GT(statistics.averages().moments()[1].variance(), 0.0);
+    return measured_agreement(configuration_.run, prediction, statistics.result(false))->max_abs_z_variance;
+  };
+  EXPECT_EQ(agreement(needed), 0.0);
+  EXPECT_EQ(agreement(needed / 3), std::numeric_limits<double>::infinity());
 }
 
 TEST_F(EndlessRunStatisticsTest, ContinueWithANewAttemptBehindItsOwnBurnIn) {
