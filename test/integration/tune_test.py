@@ -50,6 +50,15 @@ class Optima(unittest.TestCase):
         coarse = [limit_variance(g, p) for g in np.linspace(0.1, 4.0, 40) for p in np.linspace(-0.95, 0.95, 39)]
         self.assertLessEqual(result.goal, min(value for value in grid + coarse if value is not None) * (1.0 + 1e-6))
 
+    def test_the_least_headway_on_the_border_of_a_verdict_is_that_of_a_grid(self):
+        car = sp.Model.from_dict(dict(ACC, plant={"actuator_lag": 0.1}, sample_period=0.1))
+        result = tuned(car, minimise="time_headway", subject_to={"string_stable": True, "phase_margin": [35, 180]},
+                       over={"controller/kp": [0.05, 1.0], "controller/kd": [0.3, 2.0], "time_headway": [1.0, 30.0]})
+        grid = [analysis["critical_headway"] for kp in (0.5, 0.8, 1.0) for kd in (1.0, 1.3, 1.6, 2.0) for analysis in
+                [sp.analyze(car.replace({"controller/kp": kp, "controller/kd": kd, "time_headway": 20.0}), keys={"critical_headway", "phase_margin"})]
+                if analysis["phase_margin"] >= 35.0]
+        self.assertLess(result.goal, min(grid) * (1.0 + 1e-4))
+
     def test_the_car_of_cacc_keeps_its_phase_margin_at_half_the_headway(self):
         result = tuned(sp.Model.load("cacc.yaml"), minimise="critical_headway_seconds", subject_to={"phase_margin": [56, 180]},
                        over={"controller/kp": [0.01, 2.0], "controller/kd": [0.1, 3.0]})

@@ -58,6 +58,8 @@ class Model:
     """A platoon as its model file describes it (config/README.md). Models are immutable: replace() returns another one."""
 
     def __init__(self, handle: _platoon.Model) -> None:
+        if not isinstance(handle, _platoon.Model):
+            raise TypeError("model: {:.80}: use Model.load(), Model.parse() or Model.from_dict()".format(repr(handle)))
         self._handle = handle
 
     @classmethod

@@ -105,12 +105,12 @@ def require_dependence(problem: Problem, best: Point) -> None:
     place = problem.place_of(best.values)
     idle = []
     for axis, key in enumerate(problem.over):
-        others = []
-        for u in (0.1, 0.35, 0.6, 0.85):
-            moved = place.copy()
-            moved[axis] = u
-            others.append(problem.at(moved))
-        if all(point.goal == best.goal and point.figures == best.figures for point in others):
+        def same_along_the_axis(start: Array) -> bool:
+            known = problem.at(start)
+            moved = (problem.at(np.where(np.arange(start.size) == axis, u, start)) for u in (0.1, 0.35, 0.6, 0.85))
+            return all(point.goal == known.goal and point.figures == known.figures for point in moved)
+
+        if all(same_along_the_axis(start) for start in (place, np.full(place.size, 0.3), np.full(place.size, 0.7))):
             idle.append("over: {}: neither {} nor a constraint depends on it: must be left out".format(key, problem.minimise))
     if idle:
         raise ValueError("\n".join(idle))
