@@ -94,7 +94,7 @@ class Constraint:
 
     @property
     def scale(self) -> float:
-        return max([abs(bound) for bound in (self.low, self.high) if math.isfinite(bound)] + [1e-9])
+        return max((abs(bound) for bound in (self.low, self.high) if math.isfinite(bound)), default=0.0) or 1.0
 
     def margins(self, value: Figure) -> List[float]:
         """Relative distances to each bound, negative if it is violated."""
@@ -220,8 +220,6 @@ class Problem:
             violation = 0.0
             for constraint, figure in zip(self.constraints, figures):
                 violation += sum(max(0.0, -margin) for margin in constraint.margins(figure))
-                if constraint.figure == "string_stable" and figure is not None and figure != constraint.wanted:
-                    violation += max(0.0, float(document.get("peak_gain") or 1.0) - 1.0)
             if violation > NEAR and self.stage == "search":
                 return Point(values, None, figures, violation + (self.amplification(model) if None in figures else 0.0))
             if self.goal_key is not None and self.goal_key not in self.keys:

@@ -45,25 +45,20 @@ def search(problem: Problem, starts: Sequence[Array] = ()) -> Point:
     for place in places:
         polish(problem, place)
     before = problem.best()
-    # Along the border of a verdict a simplex degenerates, and a new one goes on.
-    for edge in (0.01, 0.1, 0.03, 0.01) if verdicts(problem) else (0.01,):
-        simplex(problem, problem.place_of(problem.best().values), edge)
+    simplex(problem, problem.place_of(before.values), 0.01)
     if problem.best().merit < before.merit - 1e-7 * abs(before.merit):
         polish(problem, problem.place_of(problem.best().values))
     return problem.best()
 
 
-def verdicts(problem: Problem) -> bool:
-    return any(constraint.wanted is not None for constraint in problem.constraints)
-
-
 def simplex(problem: Problem, place: Array, size: float) -> None:
     from scipy import optimize
 
-    # A verdict has no slope: only the simplex finds the border of a region that it bounds.
+    # Beside the border of a verdict a simplex converges slowly.
+    verdicts = any(constraint.wanted is not None for constraint in problem.constraints)
     corners = np.vstack([place, place + np.diag(np.where(place < 0.5, size, -size))])
     optimize.minimize(lambda at: problem.at(at).merit, place, method="Nelder-Mead",
-                      options={"initial_simplex": corners, "maxfev": (60 if verdicts(problem) else 20) * place.size, "xatol": 1e-7, "fatol": 1e-12})
+                      options={"initial_simplex": corners, "maxfev": (60 if verdicts else 20) * place.size, "xatol": 1e-7, "fatol": 1e-12})
 
 
 def polish(problem: Problem, place: Array) -> None:

@@ -12,6 +12,7 @@
 #include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/settled_hearing.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "stochastic_platoon/math/string/varied_pattern.hpp"
 
 namespace platoon {
 
@@ -152,6 +153,12 @@ StringStability string_stability(const PlatoonModel& model, bool cross_spectra) 
     verdict.reason = "not mean square stable: " + growth_reason(model, growth);
   }
   return verdict;
+}
+
+double string_margin(const PlatoonModel& model) {
+  const VariedMargins margins = varied_margins([&model](double) { return model; }, 0.0);
+  const double gain = margins.gain(0.0);
+  return gain > 0.0 ? std::min(gain, margins.losses(0.0)) : gain;
 }
 
 }  // namespace platoon

@@ -55,6 +55,10 @@ struct StringStability {
 /// Throws std::invalid_argument for a model without theory: see no_theory().
 StringStability string_stability(const PlatoonModel& model, bool cross_spectra = false);
 
+/// Positive exactly if string_stability() finds the platoon string stable, and smooth in its parameters there: the
+/// smaller of the least attenuation of the gain and 1 minus the loss gain. -1 where no spectrum resolves it.
+double string_margin(const PlatoonModel& model);
+
 /// The gain that verdicts judge at these frequencies [rad/sample]: |prod T^| over one pattern, or the spectral radius
 /// of the companion matrices. Throws as string_stability() does.
 std::vector<double> gain_along_string(const PlatoonModel& model, const std::vector<double>& frequencies);

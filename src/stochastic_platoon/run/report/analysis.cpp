@@ -92,6 +92,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
                         "loss_gain", "limit_variance", "reason", "contradictions", "bounds", "norms", "signals",
                         "collision", "amplification", "gain_along_string"}))
     analysis.stability = string_stability(model);
+  if (needs("margin of the string", {"string_margin"})) analysis.string_margin = string_margin(model);
   if (needs("gain along the string", {"gain_along_string"})) {
     analysis.frequencies = frequencies_about(analysis.stability.peak_frequency);
     analysis.gains = gain_along_string(model, analysis.frequencies);
@@ -178,6 +179,7 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
         {{"numerator", coefficients(own.loop.transfer.numerator())},
          {"denominator", coefficients(own.loop.transfer.denominator())}}},
        {"integral_defect", number(analysis.integral_defect)},
+       {"string_margin", number(analysis.string_margin)},
        {"critical_headway", number(critical)},
        {"critical_headway_seconds", critical ? nlohmann::json(*critical * model.sample_period) : nlohmann::json()},
        {"stable_headways", headways},

@@ -27,6 +27,7 @@ namespace platoon {
 struct Analysis {
   std::optional<std::string> without_theory = {};  ///< the reason
   StringStability stability;
+  std::optional<double> string_margin = {};
   std::optional<StableHeadways> headways;    ///< none if the closed loop was given directly: it fits one headway only
   std::optional<StableLosses> losses = {};   ///< none without a loss stage
   std::optional<CriticalBurst> bursts = {};  ///< none without losses

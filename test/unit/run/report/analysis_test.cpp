@@ -42,7 +42,8 @@ struct Analyzed {
 TEST(Analysis, HasEveryKeyWithItsShape) {
   const PlatoonModel model = model_at(3.2);
   const nlohmann::json document = Analyzed(model, 7, 30).json();
-  for (const char* key : {"spectral_radius", "peak_gain", "peak_frequency", "critical_headway", "limit_variance"}) {
+  for (const char* key :
+       {"spectral_radius", "peak_gain", "peak_frequency", "critical_headway", "limit_variance", "string_margin"}) {
     EXPECT_TRUE(document.at(key).is_number()) << key;
   }
   EXPECT_EQ(document.at("mean_square_stable"), true);

@@ -64,6 +64,23 @@ TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
   EXPECT_LT(hearing_gain_margin(with_headway(model, critical * (1.0 - 1e-6))), 0.0);
 }
 
+TEST(HearingFigures, MarginOfTheStringHasTheSignOfTheVerdict) {
+  const PlatoonModel near = radio_car(", loss: {probability: 0.1}"), far = hearing_model(kTwoAhead);
+  const double critical = stable_headways(near)->critical.value(), loss = stable_losses(near)->critical.value();
+  for (const PlatoonModel& stable :
+       {with_headway(near, critical * 1.001), with_loss(near, loss * 0.999), with_headway(far, 20.0)}) {
+    EXPECT_TRUE(string_stability(stable).string_stable);
+    EXPECT_GT(string_margin(stable), 0.0);
+  }
+  for (const PlatoonModel& unstable : {with_headway(near, critical * 0.999), with_loss(near, loss * 1.001), far}) {
+    EXPECT_FALSE(string_stability(unstable).string_stable);
+    EXPECT_LT(string_margin(unstable), 0.0);
+  }
+  const double at = string_margin(with_headway(near, critical * 1.001)),
+               behind = string_margin(with_headway(near, critical * 1.002));
+  EXPECT_NEAR(behind / at, 2.0, 0.1) << "from 0 at the border";
+}
+
 TEST(HearingFigures, GainAlongTheStringHasItsPeakAndIsThatOfPredecessorsWhereTheyAreHeardAlone) {
   const PlatoonModel two = hearing_model(kTwoAhead);
   const StringStability verdict = string_stability(two);
