@@ -85,8 +85,13 @@ bool judge_losses(double loss_gain, double doubt, const PlatoonModel& model, Str
   return false;
 }
 
+/// The end of a string that hears others: its variances, or its loss gain alone.
+StringEnd hearing_end(const PlatoonModel& model, bool with_limit) {
+  return with_limit ? hearing_limit(model) : StringEnd{{}, 1.0 - hearing_loss_margin(model)};
+}
+
 /// Judges a mean square stable string, by the theory of `pattern` or, without one, by that of hearing_string.
-void judge(const LinkedPattern* pattern, const PlatoonModel& model, StringStability& verdict) try {
+void judge(const LinkedPattern* pattern, const PlatoonModel& model, bool with_limit, StringStability& verdict) try {
   if (!judge(pattern != nullptr ? judged_gain(*pattern) : hearing_gain(model), model, verdict)) return;
   StringEnd end;
   double doubt = 1e-9;
@@ -94,13 +99,13 @@ void judge(const LinkedPattern* pattern, const PlatoonModel& model, StringStabil
     end.loss_gain = loss_gain(*pattern);
     doubt = pattern->has_memory() ? 1e-11 : 1e-12;
   } else {
-    end = hearing_limit(model);
+    end = hearing_end(model, with_limit);
   }
   const bool has_stage = any_link(model, [](const LinkModel& link) { return link.loss.has_value(); });
   if (has_stage && (pattern != nullptr || !end.variances.empty())) verdict.loss_gain = end.loss_gain;
   if (!judge_losses(end.loss_gain, doubt, model, verdict)) return;
   verdict.string_stable = true;
-  if (pattern != nullptr) end.variances = limit_variances(*pattern, metres_per_step(model));
+  if (pattern != nullptr && with_limit) end.variances = limit_variances(*pattern, metres_per_step(model));
   if (!end.variances.empty()) verdict.limit_variance = *std::max_element(end.variances.begin(), end.variances.end());
   verdict.reason = "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1" +
                    (loses(model) ? ", " : " and ") + gain_name(model) + " is below 1 for all w > 0";
@@ -138,7 +143,7 @@ std::vector<double> gain_along_string(const PlatoonModel& model, const std::vect
   return gains;
 }
 
-StringStability string_stability(const PlatoonModel& model, bool cross_spectra) {
+StringStability string_stability(const PlatoonModel& model, bool cross_spectra, bool with_limit) {
   std::optional<LinkedPattern> pattern;
   if (hears_predecessors_only(model) && !cross_spectra) pattern.emplace(model);
   StringStability verdict;
@@ -146,7 +151,7 @@ StringStability string_stability(const PlatoonModel& model, bool cross_spectra) 
   const double growth = pattern ? pattern->loss_feedback() : hearing_growth(model);
   verdict.mean_square_stable = verdict.spectral_radius < 1.0 && growth < 1.0;
   if (verdict.mean_square_stable) {
-    judge(pattern ? &*pattern : nullptr, model, verdict);
+    judge(pattern ? &*pattern : nullptr, model, with_limit, verdict);
   } else if (verdict.spectral_radius >= 1.0) {
     verdict.reason = "not mean square stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is not below 1";
   } else {

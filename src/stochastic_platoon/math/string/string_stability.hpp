@@ -50,13 +50,15 @@ struct StringStability {
 /// sought on a grid of frequencies and refined, for one vehicle ahead |T|. Inputs from the leader add noise alone. At
 /// w = 0 one eigenvalue may be 1, in whose mode all vehicles move alike. With another of modulus 1 (as where all hear
 /// the second vehicle ahead, and -1 is one) the variances of the distances grow without bound: not string stable.
-/// `cross_spectra`: in this way also where vehicles hear their predecessors.
+/// `cross_spectra`: in this way also where vehicles hear their predecessors. `with_limit`: false leaves out the limit,
+/// and where others are heard the value of the loss gain, for which spectra are narrow near the border of stability.
 ///
 /// Throws std::invalid_argument for a model without theory: see no_theory().
-StringStability string_stability(const PlatoonModel& model, bool cross_spectra = false);
+StringStability string_stability(const PlatoonModel& model, bool cross_spectra = false, bool with_limit = true);
 
-/// Positive exactly if string_stability() finds the platoon string stable, and smooth in its parameters there: the
-/// smaller of the least attenuation of the gain and 1 minus the loss gain. -1 where no spectrum resolves it.
+/// Positive exactly if string_stability() finds the platoon string stable, and continuous there: the smaller of the
+/// least attenuation of the gain and 1 minus the loss gain; where others are heard, of the attenuation at low
+/// frequencies. -1 where no spectrum resolves it.
 double string_margin(const PlatoonModel& model);
 
 /// The gain that verdicts judge at these frequencies [rad/sample]: |prod T^| over one pattern, or the spectral radius

@@ -91,7 +91,9 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (needs("verdict", {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable",
                         "loss_gain", "limit_variance", "reason", "contradictions", "bounds", "norms", "signals",
                         "collision", "amplification", "gain_along_string"}))
-    analysis.stability = string_stability(model);
+    analysis.stability = string_stability(model, false,
+                                          needs_any({"loss_gain", "limit_variance", "reason", "contradictions",
+                                                     "signals", "collision", "amplification"}));
   if (needs("margin of the string", {"string_margin"})) analysis.string_margin = string_margin(model);
   if (needs("gain along the string", {"gain_along_string"})) {
     analysis.frequencies = frequencies_about(analysis.stability.peak_frequency);
@@ -171,8 +173,8 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
               {"beta_2", number(analysis.bounds->beta_2)},
               {"stated_beta_2", number(analysis.bounds->stated_beta_2)}};
   }
-  nlohmann::json document = to_json(analysis.stability);
-  document.update(to_json(analysis.robustness, model.sample_period));
+  nlohmann::json document = to_json(analysis.robustness, model.sample_period);
+  if (!analysis.stability.reason.empty()) document.update(to_json(analysis.stability));
   document.update(
       {{"sample_period", model.sample_period},
        {"transfer",

@@ -68,12 +68,14 @@ TEST(HearingFigures, MarginOfTheStringHasTheSignOfTheVerdict) {
   const PlatoonModel near = radio_car(", loss: {probability: 0.1}"), far = hearing_model(kTwoAhead);
   const double critical = stable_headways(near)->critical.value(), loss = stable_losses(near)->critical.value();
   for (const PlatoonModel& stable :
-       {with_headway(near, critical * 1.001), with_loss(near, loss * 0.999), with_headway(far, 20.0)}) {
-    EXPECT_TRUE(string_stability(stable).string_stable);
+       {with_headway(near, critical * 1.001), with_loss(near, loss * 0.999), with_headway(far, 20.0),
+        with_headway(hearing_model(packet("{probability: 0.1}")), 12.0)}) {
+    EXPECT_TRUE(string_stability(stable).string_stable && string_stability(stable, false, false).string_stable);
+    EXPECT_FALSE(string_stability(stable, false, false).limit_variance);
     EXPECT_GT(string_margin(stable), 0.0);
   }
   for (const PlatoonModel& unstable : {with_headway(near, critical * 0.999), with_loss(near, loss * 1.001), far}) {
-    EXPECT_FALSE(string_stability(unstable).string_stable);
+    EXPECT_FALSE(string_stability(unstable).string_stable || string_stability(unstable, false, false).string_stable);
     EXPECT_LT(string_margin(unstable), 0.0);
   }
   const double at = string_margin(with_headway(near, critical * 1.001)),
