@@ -74,6 +74,7 @@ class Models(ModuleTest):
         self.assertRaisesText(ValueError, "must be YAML", sp.Model.parse, "a: [1")
         for function in (sp.analyze, sp.monte_carlo, sp.stability_map):
             self.assertRaisesText(TypeError, "model: 'paper.yaml': must be a Model", function, "paper.yaml")
+        self.assertRaisesText(TypeError, "model: {}: use Model.load()", sp.Model, {})
         self.assertRaisesText(FileNotFoundError, "cac.yaml: no such file: must be a model file, or one of the shipped acc.yaml", sp.Model.load, "cac.yaml")
         for bad in (object(), [object()], {(1, 2): 3}, b"3"):
             self.assertRaisesText(ValueError, "headway: ", model.replace, headway=bad)
@@ -123,6 +124,8 @@ class Theory(ModuleTest):
         self.assertAlmostEqual(max(some.numbers("gain_along_string.gain")), some.number("peak_gain"), places=12)
         self.assertEqual(some.number("peak_gain"), sp.analyze(model).number("peak_gain"))
         self.assertTrue(math.isnan(some.critical_headway))
+        self.assertTrue(sp.analyze(model.replace(time_headway=22.0)).string_stable)
+        self.assertIsNone(sp.analyze(model.replace(time_headway=22.0), keys=["critical_headway"]).string_stable)
 
     def test_keys_may_be_nested_and_are_named_if_missing(self):
         analysis = sp.analyze(sp.Model.load())

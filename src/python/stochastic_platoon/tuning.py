@@ -155,9 +155,7 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     """
     box = box_of(model, over)
     constraints = [Constraint.of(figure, condition) for figure, condition in (subject_to or {}).items()]
-    # A verdict has no slope: its margin leads the search along its border.
-    constraints += [Constraint(verdict.figure.replace("stable", "margin"), low=0.0) for verdict in constraints
-                    if verdict.wanted and verdict.figure.split("/")[-1] == "string_stable"]
+    constraints += [verdict.margin() for verdict in constraints if verdict.wanted and verdict.figure.endswith("string_stable")]
     probability = "" if collision_probability is None else repr(float(collision_probability))
     settings = run_settings(followers=followers, steps=steps)
     problem = Problem(model, minimise, box, constraints, settings, probability, progress)
@@ -172,7 +170,8 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     bound, reason = lower_bound(found, minimise, box, float(best.goal or 0.0), best.values, bound_seconds,
                                 lambda boxes, least: progress("bound", boxes, least), most)
     ignored = [constraint.figure for constraint in constraints
-               if constraint.figure not in ("string_stable", "string_margin") and (constraint.figure not in most or math.isfinite(constraint.low))]
+               if constraint != Constraint("string_stable", wanted=True) and not constraint.follows
+               and (constraint.figure not in most or math.isfinite(constraint.low))]
     if bound is not None and ignored:
         reason += "; it leaves out the constraints on " + ", ".join(ignored)
     result = Tuning(found, minimise, dict(zip(box, best.values)), _number(best.goal),

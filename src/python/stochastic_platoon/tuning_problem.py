@@ -71,6 +71,11 @@ class Constraint:
     low: float = -math.inf
     high: float = math.inf
     wanted: Optional[bool] = None
+    follows: bool = False  #: from another constraint
+
+    def margin(self) -> Constraint:
+        """The margin of the verdict string_stable, which has no slope: it leads the search along the border."""
+        return Constraint(self.figure.replace("string_stable", "string_margin"), low=0.0, follows=True)
 
     @classmethod
     def of(cls, figure: str, condition: Condition) -> Constraint:
@@ -143,7 +148,7 @@ class Problem:
     threads: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(os.cpu_count()))
 
     def __post_init__(self) -> None:
-        paths = [self.minimise] + [constraint.figure for constraint in self.constraints]
+        paths = [self.minimise] + [constraint.figure for constraint in self.constraints if not constraint.follows]
         self.signals = ",".join(name for name in SIGNALS if any(path.replace(".", "/").startswith("signals/" + name) for path in paths))
         if any(path.startswith("collision") for path in paths) and not self.collision_probability:
             raise ValueError("collision_probability: missing: must be given for figures of collision")
@@ -168,7 +173,8 @@ class Problem:
                 problems.append("{}: {}: name one of its entries, as {}".format(path, error, (figures_of(at_path(everything, path), path) + ["-"])[0]))
         if problems:
             raise ValueError("\n".join(problems))
-        first, *others = (None if path in self.of_model else path.replace(".", "/").split("/")[0] for path in paths)
+        first, *others = (None if path in self.of_model else path.replace(".", "/").split("/")[0]
+                          for path in [self.minimise] + [constraint.figure for constraint in self.constraints])
         self.goal_key = first
         self.keys = {key for key in others if key is not None}
         self.logarithmic = [low > 0.0 and high >= 10.0 * low for low, high in self.over.values()]

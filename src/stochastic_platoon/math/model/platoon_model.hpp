@@ -20,6 +20,8 @@ struct Inherited {
   bool loss_probability = false;  ///< of VehicleModel::varied_link()
   bool mean_burst = false;        ///< of the same
   bool inputs = false;            ///< whom it hears, and over which links
+  bool noise_variance = false;    ///< of the position, with the inputs
+  bool channel = false;           ///< of the position, with the inputs
 };
 
 /// A vehicle type and its name in the model file.

@@ -23,7 +23,7 @@ private:
   double radius_ = 0.0;                 ///< rho
 };
 
-constexpr double kRestOfStart = 1e-6;
+constexpr double kRestOfStart = 1e-6;  ///< what a burn-in leaves of the transient of the start
 
 /// Steps after which the transient of the start has decayed to kRestOfStart at follower N; none if a vehicle of the
 /// string is unstable:

@@ -85,11 +85,6 @@ bool judge_losses(double loss_gain, double doubt, const PlatoonModel& model, Str
   return false;
 }
 
-/// The end of a string that hears others: its variances, or its loss gain alone.
-StringEnd hearing_end(const PlatoonModel& model, bool with_limit) {
-  return with_limit ? hearing_limit(model) : StringEnd{{}, 1.0 - hearing_loss_margin(model)};
-}
-
 /// Judges a mean square stable string, by the theory of `pattern` or, without one, by that of hearing_string.
 void judge(const LinkedPattern* pattern, const PlatoonModel& model, bool with_limit, StringStability& verdict) try {
   if (!judge(pattern != nullptr ? judged_gain(*pattern) : hearing_gain(model), model, verdict)) return;
@@ -99,7 +94,7 @@ void judge(const LinkedPattern* pattern, const PlatoonModel& model, bool with_li
     end.loss_gain = loss_gain(*pattern);
     doubt = pattern->has_memory() ? 1e-11 : 1e-12;
   } else {
-    end = hearing_end(model, with_limit);
+    end = with_limit ? hearing_limit(model) : StringEnd{{}, 1.0 - hearing_loss_margin(model)};
   }
   const bool has_stage = any_link(model, [](const LinkModel& link) { return link.loss.has_value(); });
   if (has_stage && (pattern != nullptr || !end.variances.empty())) verdict.loss_gain = end.loss_gain;

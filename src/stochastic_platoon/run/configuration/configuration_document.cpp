@@ -69,7 +69,7 @@ std::string text_at(const YAML::Node& node, const char* key) {
 }
 
 // The path of a link's key in a model that lists its inputs: losses belong to the input of varied_losses(), all other
-// keys to the position. The channel of the first position may be given at the vehicle.
+// keys to the first position, for which the vehicle may give them.
 std::string path_of_link(const std::string& key, const YAML::Node& model) {
   const std::string first = key.substr(0, key.find('/'));
   const YAML::Node inputs = value_at(model, "inputs");
@@ -84,7 +84,8 @@ std::string path_of_link(const std::string& key, const YAML::Node& model) {
     paths.push_back(given.is(model) ? key : "inputs/" + std::to_string(paths.size()) + "/" + key);
     const YAML::Node channel = value_at(given, "channel");
     places.push_back({is_position, has_key(channel, "loss"), text_at(channel, "packet")});
-    if (is_position && has_key(input, first)) of_position = "inputs/" + std::to_string(paths.size() - 1) + "/" + key;
+    if (is_position && at_vehicle && has_key(input, first))
+      of_position = "inputs/" + std::to_string(paths.size() - 1) + "/" + key;
     at_vehicle = at_vehicle && !is_position;
   }
   return key.find("/loss") != std::string::npos ? paths[varied_losses(places)] : of_position;

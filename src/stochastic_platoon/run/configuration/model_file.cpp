@@ -100,7 +100,9 @@ Inherited inherited_by(Section& type, const VehicleModel& base) {
                       !own_loop && !type.has("controller"),
                       losses,
                       losses,
-                      inputs};
+                      inputs,
+                      inputs && !type.has("noise_variance"),
+                      inputs && !type.has("channel")};
   if (!losses || !of_position || !type.has("channel")) return inherited;
   Section channel = type.section("channel");
   if (!channel.has("loss")) return inherited;
@@ -245,7 +247,11 @@ nlohmann::json to_json(const PlatoonModel& model) {
   for (std::size_t i = 1; i < model.types.size(); ++i) {
     const VehicleType& type = model.types[i];
     nlohmann::json& written = document["vehicle_types"][type.name] = to_json(type.vehicle);
-    if (type.vehicle.hears_predecessor_only()) written["channel"] = to_json(type.vehicle.position().link, true);
+    const Input &heard = type.vehicle.position(), &of_default = own.position();
+    if (type.inherited.noise_variance && heard.noise_variance == of_default.noise_variance)
+      written.erase("noise_variance");
+    if (type.vehicle.hears_predecessor_only() && !(type.inherited.channel && heard.link == of_default.link))
+      written["channel"] = to_json(heard.link, true);
     if (type.vehicle.own_acceleration != own.own_acceleration)
       written["own_acceleration"] = type.vehicle.own_acceleration;
     if (own.constant_spacing && !type.vehicle.constant_spacing) written["spacing"] = "headway";
@@ -265,7 +271,7 @@ nlohmann::json to_json(const PlatoonModel& model) {
       written["inputs"] = inputs_json(type.vehicle);
       continue;
     }
-    if (radio != nullptr) continue;
+    if (radio != nullptr || !written.contains("channel")) continue;
     if (type.inherited.loss_probability) {
       written["channel"]["loss"].erase("probability");
       written["channel"]["loss"].erase("runs");

@@ -92,13 +92,15 @@ TEST(InputsSection, IsOverriddenInTheInputOfTheSetting) {
     return parse_model(document["model"]).default_vehicle();
   };
   const std::string listed = kCarText + kInputs,
+                    two = listed +
+                          "  - {signal: position, from: 2, noise_variance: 0.05, weight: 0, channel: {delay: 1}}\n",
                     apart = kCarText + "noise_variance: 0.3\ninputs:\n  - {signal: position}\n" + kRadio;
-  for (const std::string& model : {listed, apart}) {
+  for (const std::string& model : {listed, apart, two}) {
     EXPECT_EQ(overridden(model, "noise_variance", "0.7").position().noise_variance, 0.7);
-    EXPECT_EQ(overridden(model, "noise_variance", "0.7").radio()->noise_variance, 0.02);
+    EXPECT_EQ(overridden(model, "noise_variance", "0.7").inputs[1].noise_variance, 0.02);
     EXPECT_EQ(overridden(model, "delay", "5").position().link.delay, 5);
     const VehicleModel lossy = overridden(model, "loss", "0.4");
-    EXPECT_EQ(lossy.radio()->link.loss->probability, 0.4);
+    EXPECT_EQ(lossy.inputs[1].link.loss->probability, 0.4);
     EXPECT_FALSE(lossy.position().link.loss);
   }
   EXPECT_EQ(overridden(kCarText + "noise_variance: 0.3\n", "loss", "0.4").position().link.loss->probability, 0.4);

@@ -174,6 +174,20 @@ TEST(ModelFile, KeepsAMeanBurstInheritedInEveryCopy) {
     EXPECT_EQ(type.vehicle.position().link.loss->mean_burst, 1.5);
 }
 
+TEST(ModelFile, KeepsNoiseAndChannelInheritedInEveryCopy) {
+  nlohmann::json document =
+      to_json(model_of(kModelText + "vehicle_types: {other: {time_headway: 4}, own: {noise_variance: 0.6, "
+                                    "channel: {delay: 1}}}\nstring: [other, own]\n"));
+  document["noise_variance"] = 2.0;
+  document["channel"]["delay"] = 3;
+  const PlatoonModel copy = model_of(document.dump());
+  EXPECT_EQ(copy.types[1].vehicle.position().noise_variance, 2.0);
+  EXPECT_EQ(copy.types[1].vehicle.position().link.delay, 3);
+  EXPECT_EQ(copy.types[2].vehicle.position().noise_variance, 0.6);
+  EXPECT_EQ(copy.types[2].vehicle.position().link.delay, 1);
+  EXPECT_EQ(to_json(copy), to_json(model_of(to_json(copy).dump())));
+}
+
 TEST(ModelFile, SetsTheClosedLoopOfAType) {
   const PlatoonModel model =
       model_of(kModelText + "vehicle_types: {twin: {" + kClosedLoopText + "}}\nstring: [twin]\n");
