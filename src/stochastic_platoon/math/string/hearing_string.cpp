@@ -129,6 +129,8 @@ StringEnd hearing_limit(const PlatoonModel& model) try {
     found.variances.push_back(found.loss_gain);
     return found.variances;
   });
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  if (!std::all_of(limit.variances.begin(), limit.variances.end(), is_finite)) throw NarrowSpectra();
   limit.loss_gain = limit.variances.back();
   limit.variances.pop_back();
   return limit;

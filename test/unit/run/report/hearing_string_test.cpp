@@ -129,5 +129,23 @@ TEST(HearingString, IsWrittenAsItIsRead) {
   }
 }
 
+// Beside the border the spectra are so narrow that the limit has no finite value on the most frequencies.
+TEST(HearingString, IsNotCalledUnstableWhereItsLimitIsNotFinite) {
+  for (const char* burst : {"194.5", "194.7"}) {
+    const StringStability verdict = string_stability(hearing_model(std::string(R"(
+sample_period: 0.1
+time_headway: 7.641320407317512
+standstill_distance: 2.0
+plant: {actuator_lag: 0.3762882313038186}
+controller: {kp: 0.594979982165296, kd: 0.985308069558926}
+inputs:
+  - {signal: position, weight: 0.5132621448798549, noise_variance: 0.0}
+  - {signal: position, from: 3, weight: 0.4867378551201451, noise_variance: 0.17}
+  - {signal: speed, from: 3, gain: 0.1917153882505096, noise_variance: 0.08, channel: {loss: {probability: 0.08973063118304044, mean_burst: )") +
+                                                                   burst + "}}}"));
+    EXPECT_TRUE(verdict.string_stable) << verdict.reason;
+  }
+}
+
 }  // namespace
 }  // namespace platoon
