@@ -81,11 +81,11 @@ std::string path_of_link(const std::string& key, const YAML::Node& model) {
   for (const YAML::Node& input : inputs) {
     const bool is_position = text_at(input, "signal") == "position";
     const YAML::Node given = is_position && at_vehicle && !has_key(input, "channel") ? model : input;
-    paths.push_back(given.is(model) ? key : "inputs/" + std::to_string(paths.size()) + "/" + key);
+    const std::string own = "inputs/" + std::to_string(paths.size()) + "/" + key;
+    paths.push_back(given.is(model) ? key : own);
     const YAML::Node channel = value_at(given, "channel");
     places.push_back({is_position, has_key(channel, "loss"), text_at(channel, "packet")});
-    if (is_position && at_vehicle && has_key(input, first))
-      of_position = "inputs/" + std::to_string(paths.size() - 1) + "/" + key;
+    if (is_position && at_vehicle && has_key(input, first)) of_position = own;
     at_vehicle = at_vehicle && !is_position;
   }
   return key.find("/loss") != std::string::npos ? paths[varied_losses(places)] : of_position;
@@ -99,7 +99,7 @@ void remove_at(const std::string& path, YAML::Node node) {
     if (node.IsMap()) node.remove(key);
   } else if (node.IsSequence()) {
     remove_at(path.substr(slash + 1), node[std::stoul(key)]);
-  } else if (node.IsMap() && node[key]) {
+  } else if (has_key(node, key)) {
     remove_at(path.substr(slash + 1), node[key]);
   }
 }
