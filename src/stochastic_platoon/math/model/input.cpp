@@ -33,10 +33,7 @@ std::size_t varied_losses(const std::vector<LossPlace>& inputs) {
   bool loses = false;
   for (std::size_t n = 0; n < inputs.size(); ++n) {
     if (inputs[n].is_position && !positions_alone) continue;
-    std::size_t first = n;
-    for (std::size_t j = n; j-- > 0 && !inputs[n].packet.empty();) {
-      if (inputs[j].packet == inputs[n].packet) first = j;
-    }
+    const std::size_t first = first_of_packet(inputs, n);
     if (loses && !inputs[first].loses) continue;
     last = first;
     loses = inputs[first].loses;

@@ -48,6 +48,15 @@ inline bool is_difference(InputSignal signal) {
 /// The vehicle that an input of a follower comes from.
 std::size_t source_of(const Input& input, std::size_t follower);
 
+/// The first of the inputs in the packet of input n, whose losses the others share; n itself without a packet.
+template <typename Of>
+std::size_t first_of_packet(const std::vector<Of>& inputs, std::size_t n) {
+  for (std::size_t j = 0; j < n && !inputs[n].packet.empty(); ++j) {
+    if (inputs[j].packet == inputs[n].packet) return j;
+  }
+  return n;
+}
+
 /// What decides whose losses are varied, of an input.
 struct LossPlace {
   bool is_position = true;
@@ -57,7 +66,7 @@ struct LossPlace {
 
 /// The input whose losses the setting `loss` and the critical values vary, with all of its packet: of the inputs other
 /// than positions (of positions, if there are no others) the last that loses, or the last if none loses. Of a packet
-/// its first input, whose losses the others share.
+/// its first input.
 std::size_t varied_losses(const std::vector<LossPlace>& inputs);
 
 }  // namespace platoon

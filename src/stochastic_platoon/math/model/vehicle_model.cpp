@@ -53,10 +53,7 @@ void VehicleModel::vary(const std::function<void(LinkModel&)>& change) {
 }
 
 std::size_t VehicleModel::losses_of(std::size_t n) const {
-  for (std::size_t j = 0; j < n && !inputs[n].packet.empty(); ++j) {
-    if (inputs[j].packet == inputs[n].packet) return j;
-  }
-  return n;
+  return first_of_packet(inputs, n);
 }
 
 double spacing_in_vehicles(const VehicleModel& vehicle, std::size_t follower) {
