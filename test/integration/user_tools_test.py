@@ -5,6 +5,7 @@ import csv
 import html
 import json
 import os
+import pathlib
 import re
 import shutil
 import subprocess
@@ -33,18 +34,15 @@ def script(name, *arguments):
 
 def sign(folder, summary=None):
     """Writes a summary whose checksums are those of the present tables, as a forger would."""
-    file = os.path.join(folder, "summary.json")
-    with open(file) as stream:
-        summary = summary or json.load(stream)
+    file = pathlib.Path(folder, "summary.json")
+    summary = summary or json.loads(file.read_text())
     for name in summary["crc32"]:
         if name != "summary":
-            with open(os.path.join(folder, name + ".csv"), "rb") as stream:
-                summary["crc32"][name] = "{:08x}".format(zlib.crc32(stream.read()))
+            summary["crc32"][name] = "{:08x}".format(zlib.crc32(pathlib.Path(folder, name + ".csv").read_bytes()))
     summary["crc32"]["summary"] = "00000000"
     text = json.dumps(summary, indent=2, sort_keys=True) + "\n"
     own = "{:08x}".format(zlib.crc32(text.encode()))
-    with open(file, "w") as stream:
-        stream.write(text.replace('"summary": "00000000"', '"summary": "{}"'.format(own)))
+    file.write_text(text.replace('"summary": "00000000"', '"summary": "{}"'.format(own)))
 
 
 class RunTest(FolderTest):
@@ -62,16 +60,13 @@ class RunTest(FolderTest):
         shutil.copytree(self.whole, self.run_folder)
 
     def change(self, name, old, new):
-        file = os.path.join(self.run_folder, name)
-        with open(file) as stream:
-            text = stream.read()
+        file = pathlib.Path(self.run_folder, name)
+        text = file.read_text()
         self.assertIn(old, text)
-        with open(file, "w") as stream:
-            stream.write(text.replace(old, new, 1))
+        file.write_text(text.replace(old, new, 1))
 
     def summary(self):
-        with open(os.path.join(self.run_folder, "summary.json")) as stream:
-            return json.load(stream)
+        return json.loads(pathlib.Path(self.run_folder, "summary.json").read_text())
 
 
 class Check(RunTest):
@@ -225,11 +220,9 @@ class Export(FolderTest):
         self.assertEqual(os.listdir(self.path("out")), ["trajectories.csv"])
 
     def test_a_damaged_bag_is_rejected_and_leaves_no_file(self):
-        with open(SMALL, "rb") as stream:
-            content = bytearray(stream.read())
+        content = bytearray(pathlib.Path(SMALL).read_bytes())
         content[len(content) // 2] ^= 1
-        with open(self.path("damaged.bag"), "wb") as stream:
-            stream.write(content)
+        pathlib.Path(self.path("damaged.bag")).write_bytes(content)
         done = script("export", self.path("damaged.bag"), "--output", self.path("out"))
         self.assertEqual(done.returncode, 1)
         self.assertIn("damaged.bag", done.stderr)
@@ -240,12 +233,13 @@ class Report(RunTest):
     def report(self, *arguments, output="report.html"):
         return script("report", *arguments, "--output", self.path(output))
 
-    def test_the_page_has_verdict_numbers_figures_and_checksums_and_needs_no_other_file(self):
-        done = self.report(self.run_folder)
+    def page(self, *folders):
+        done = self.report(*folders)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        with open(self.path("report.html"), encoding="utf-8") as stream:
-            page = stream.read()
-        summary = self.summary()
+        return pathlib.Path(self.path("report.html")).read_text(encoding="utf-8")
+
+    def test_the_page_has_verdict_numbers_figures_and_checksums_and_needs_no_other_file(self):
+        page, summary = self.page(self.run_folder), self.summary()
         for words in ("string stable", "complete, undamaged, in agreement", summary["theory"]["reason"],
                       summary["revision"], summary["version"], summary["date"], "standard error", "prepared by", "controller/denominator",
                       "largest |z|", "noise_variance</th><td>{} m²".format(summary["configuration"]["model"]["noise_variance"]),
@@ -270,12 +264,21 @@ class Report(RunTest):
         summary = self.summary()
         summary["agreement"]["max_abs_z_mean"] = 9.5
         sign(self.run_folder, summary)
-        self.assertEqual(self.report(self.run_folder, self.whole).returncode, 0)
-        with open(self.path("report.html"), encoding="utf-8") as stream:
-            page = stream.read()
+        page = self.page(self.run_folder, self.whole)
         self.assertIn("check failed", page)
         self.assertIn("largest |z| 9.50 for the means", page)
         self.assertEqual(page.count("<h2>"), 2)
+
+    def test_one_realization_of_cars_without_a_theory_says_why_a_figure_and_the_theory_are_missing(self):
+        sp.monte_carlo(sp.Model.load("acc_limits.yaml"), followers=2, steps=20, realizations=1, signals=["gap"], output=self.path("one"))
+        page = self.page(self.path("one"))
+        self.assertIn("Theory: none, as vehicles have limits.", page)
+        self.assertIn("variance is NaN everywhere: it takes at least two realizations", page)
+        self.assertEqual(page.count("<svg"), 1)  # gaps
+        analysis = self.path("theory.json")
+        live_platoon.tool("analyze", model="acc_limits.yaml", json=analysis)
+        self.assertIn("theory.json: norms.mean_l2 is missing; theory: none, as vehicles have limits; linear.norms.mean_l2 is that of the same cars "
+                      "without limits", script("plot", "norms", analysis).stderr)
 
     def test_nothing_is_overwritten_and_bad_names_are_rejected(self):
         self.write("report.html", "before")
@@ -289,8 +292,7 @@ class Report(RunTest):
     def test_a_pdf_is_printed(self):
         done = self.report(self.run_folder, output="report.pdf")
         self.assertEqual(done.returncode, 0, done.stderr)
-        with open(self.path("report.pdf"), "rb") as stream:
-            self.assertEqual(stream.read(5), b"%PDF-")
+        self.assertEqual(pathlib.Path(self.path("report.pdf")).read_bytes()[:5], b"%PDF-")
 
 
 if __name__ == "__main__":

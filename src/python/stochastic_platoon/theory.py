@@ -46,9 +46,16 @@ class Analysis(Mapping[str, Any]):
         value: Any = self._document
         for part in key.split("."):
             if not isinstance(value, dict) or part not in value:
-                raise KeyError("{}: {} is missing".format(self.path, key))
+                raise KeyError("{}: {} is missing{}".format(self.path, key, self._why_missing(key)))
             value = value[part]
         return value
+
+    def _why_missing(self, key: str) -> str:
+        if self._document.get("theory") != "none":
+            return ""
+        linear = "linear." + key
+        of_linear = "; {} is that of the same cars without limits".format(linear) if not key.startswith("linear.") and linear in self else ""
+        return "; theory: {}{}".format(self.reason, of_linear)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._document)

@@ -6,7 +6,7 @@ import hashlib
 import html
 import os
 import re
-from typing import Any, Iterable, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 import stochastic_platoon as sp
@@ -97,6 +97,14 @@ def svg(figure: Figure, words: str) -> str:
     return '<figure role="img" aria-label="{}">\n{}\n</figure>'.format(escaped(words), drawn[drawn.index("<svg"):])
 
 
+def figure(draw: Callable[[], Figure], words: str) -> str:
+    """A figure, or the reason why there is nothing to draw."""
+    try:
+        return svg(draw(), words)
+    except ValueError as error:
+        return "<p>{}</p>".format(escaped(error))
+
+
 def verdict(run: sp.Results, problems: Sequence[str]) -> str:
     theory, agreement = run.summary["theory"], run.summary["agreement"]
     kinds = {None: "open", True: "good", False: "bad"}
@@ -179,14 +187,11 @@ def checksums(run: sp.Results) -> str:
 
 def section(run: sp.Results, at: int) -> str:
     parts = ["<h2>{}. {}</h2>".format(at, escaped(run.name)), verdict(run, sp.check(run.path)), "<h3>Figures</h3>",
-             svg(tracking_errors.draw([run], []), "mean and variance of the tracking errors")]
+             figure(lambda: tracking_errors.draw([run], []), "mean and variance of the tracking errors")]
     if collisions_of(run) is not None:
-        parts.append(svg(gaps.draw([run], [], []), "smallest gaps and collisions"))
+        parts.append(figure(lambda: gaps.draw([run], [], []), "smallest gaps and collisions"))
     if "amplification" in run.summary["crc32"]:
-        try:
-            parts.append(svg(amplification.draw([run], []), "amplification of the speed"))
-        except ValueError as error:
-            parts.append("<p>{}</p>".format(escaped(error)))
+        parts.append(figure(lambda: amplification.draw([run], []), "amplification of the speed"))
     parts += ["<h3>Numbers</h3>", numbers(run)]
     if collisions_of(run) is not None:
         parts.append(gap_numbers(run))

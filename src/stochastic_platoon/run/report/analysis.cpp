@@ -210,7 +210,10 @@ nlohmann::json theory_to_json(const Configuration& configuration, const Analysis
 nlohmann::json to_json(const Configuration& configuration, const Analysis& analysis) {
   const VehicleModel& own = configuration.model.default_vehicle();
   nlohmann::json document = nlohmann::json::object();
-  if (!analysis.without_theory) document = theory_to_json(configuration, analysis);
+  if (analysis.without_theory)
+    document["reason"] = without_theory(*analysis.without_theory);
+  else
+    document = theory_to_json(configuration, analysis);
   document.update({{"headway", own.headway},
                    {"noise_variance", own.position().noise_variance},
                    {"theory", name_of_theory(!analysis.without_theory)},

@@ -17,6 +17,11 @@ inline const char* name_of_theory(bool exists) {
   return exists ? "exact" : "none";
 }
 
+/// The reason of a verdict where there is no theory.
+inline std::string without_theory(const std::string& reason) {
+  return "none, as " + reason;
+}
+
 /// The theory's prediction for a configuration: one cell per cell of the measurement, that is, per follower and step
 /// (see cell()), or the stationary values, one per follower, for averages over time.
 ///

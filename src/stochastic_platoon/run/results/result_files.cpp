@@ -27,7 +27,9 @@ nlohmann::json theory_json(const Prediction& prediction) {
   nlohmann::json theory = to_json(prediction.stability);
   theory["stationary_variance"] = numbers(prediction.stationary_variance);
   if (prediction.has_theory()) return theory;
-  for (nlohmann::json& value : theory) value = nullptr;
+  for (const auto& [key, value] : theory.items()) {
+    if (key != "reason") value = nullptr;
+  }
   return theory;
 }
 
