@@ -50,7 +50,8 @@ class Picture(LaunchTest):
             return ":" + number.readline().strip()
 
     def test_vehicles_stand_on_the_road_in_their_colours_and_their_order(self):
-        os.environ.update(DISPLAY=self.screen(), LIBGL_ALWAYS_SOFTWARE="1", XDG_RUNTIME_DIR=self.folder)
+        # The threads of Mesa's software renderer crash RViz once in forty starts (swrast_dri.so of Debian 11).
+        os.environ.update(DISPLAY=self.screen(), LIBGL_ALWAYS_SOFTWARE="1", LP_NUM_THREADS="0", XDG_RUNTIME_DIR=self.folder)
         frame_buffer = os.path.join(self.folder, "Xvfb_screen0")
         self.assertEqual(places(picture(frame_buffer)), [None] * len(HUES), "of an empty screen")
         terminal = self.launch("live.launch", followers=5, rate=20)
@@ -58,6 +59,7 @@ class Picture(LaunchTest):
         def in_order():
             """Seen from behind: the last vehicle is nearest, at the lower left. At the start only noise separates the vehicles."""
             self.assertIsNone(terminal.process.poll(), terminal.text())
+            self.assertNotIn("process has died", terminal.text())
             found = places(picture(frame_buffer))
             if None in found:
                 return None
