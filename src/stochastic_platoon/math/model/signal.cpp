@@ -67,23 +67,23 @@ double value_of(const Signal& signal, Signal::Recent<double> ahead, Signal::Rece
 
 }  // namespace detail
 
-double Signal::operator()(const Recent<double>& ahead, const Recent<double>& own) const {
+double Signal::operator()(const Recent<double>& ahead, const Recent<double>& behind) const {
   const auto places = [](const Recent<double>& y) { return Recent<const double*>{&y[0], &y[1], &y[2], &y[3]}; };
   double value;
-  (*this)(places(ahead), places(own), 1, &value);
+  (*this)(places(ahead), places(behind), 1, &value);
   return value;
 }
 
-void Signal::operator()(const Recent<const double*>& ahead, const Recent<const double*>& own, std::size_t count,
+void Signal::operator()(const Recent<const double*>& ahead, const Recent<const double*>& behind, std::size_t count,
                         double* values) const {
-  if (!is_relative() || of_distance() == 1.0) return detail::signal_values(*this, ahead[0], own, count, values);
+  if (!is_relative() || of_distance() == 1.0) return detail::signal_values(*this, ahead[0], behind, count, values);
   const auto at = [](const Recent<const double*>& y, std::size_t r, int order) {
     Recent<double> recent{};
     for (std::size_t j = 0; j <= static_cast<std::size_t>(order); ++j) recent[j] = y[j][r];
     return recent;
   };
   for (std::size_t r = 0; r < count; ++r)
-    values[r] = detail::value_of(*this, at(ahead, r, apart.order), at(own, r, order()));
+    values[r] = detail::value_of(*this, at(ahead, r, apart.order), at(behind, r, order()));
 }
 
 SignalPositions SignalPositions::from(std::size_t realization) const {

@@ -53,11 +53,11 @@ struct Signal {
   template <class T>
   using Recent = std::array<T, kHighestOrder + 1>;
 
-  /// `ahead`: positions of the predecessor.
-  double operator()(const Recent<double>& ahead, const Recent<double>& own) const;
+  /// `ahead`, `behind`: positions of the predecessor and of the follower.
+  double operator()(const Recent<double>& ahead, const Recent<double>& behind) const;
 
   /// The same for `count` realizations. Every pointer refers to `count` values [m]; the ranges do not overlap.
-  void operator()(const Recent<const double*>& ahead, const Recent<const double*>& own, std::size_t count,
+  void operator()(const Recent<const double*>& ahead, const Recent<const double*>& behind, std::size_t count,
                   double* values) const;
 };
 

@@ -12,7 +12,7 @@ namespace {
 template <typename Function>
 double integrate(const Quadrature& rule, const Function& f) {
   double sum = 0.0;
-  for (std::size_t k = 0; k < rule.node.size(); ++k) sum += rule.weight[k] * f(rule.node[k]);
+  for (std::size_t k = 0; k < rule.node.size(); ++k) sum += rule.weight[k] * f(static_cast<double>(rule.node[k]));
   return sum;
 }
 
@@ -56,7 +56,7 @@ TEST(Quadrature, CutsEachPanelIntoItsNumberOfPieces) {
   const Quadrature same = with_panels_cut(rule, pieces);
   ASSERT_EQ(same.node.size(), twice.node.size());
   for (std::size_t k = 0; k < same.node.size(); ++k) {
-    EXPECT_NEAR(same.node[k], twice.node[k], 1e-15);
+    EXPECT_NEAR(static_cast<double>(same.node[k] - twice.node[k]), 0.0, 1e-15);
     EXPECT_NEAR(same.weight[k], twice.weight[k], 1e-15);
   }
   pieces.assign(pieces.size(), 1);
@@ -73,7 +73,7 @@ TEST(Quadrature, KnowsThePanelsOnWhichItsNodesDoNotInterpolate) {
   for (const int power : {13, 14, 15}) {
     std::vector<double> values(rule.node.size(), 1.0);
     for (std::size_t k = 0; k < kGaussNodes; ++k)
-      values[chosen * kGaussNodes + k] = std::pow(gauss_legendre().node[k], power);
+      values[chosen * kGaussNodes + k] = std::pow(static_cast<double>(gauss_legendre().node[k]), power);
     const std::vector<double> errors = interpolation_errors(rule, values.data());
     ASSERT_EQ(errors.size(), rule.middle.size());
     double leading = 1.0;
@@ -100,7 +100,7 @@ TEST(OscillatingWeights, IntegrateOscillationsWithinAPanel) {
       const OscillatingWeights weights(rule, m);
       double sum = 0.0;
       for (std::size_t k = 0; k < rule.node.size(); ++k) {
-        const double w = rule.node[k], sine = std::sin(w / 2.0);
+        const double w = static_cast<double>(rule.node[k]), sine = std::sin(w / 2.0);
         const double value = (1.0 - a) * (1.0 + a) / ((1.0 - a) * (1.0 - a) + 4.0 * a * sine * sine);
         sum += value * (weights.applies_to(k) ? weights[k].real() : rule.weight[k] * std::cos(m * w));
       }
