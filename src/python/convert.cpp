@@ -57,7 +57,7 @@ py::object object_of(const nlohmann::json& value, bool with_arrays) {
     case nlohmann::json::value_t::object: {
       py::dict object;
       for (const auto& [key, element] : value.items()) object[py::cast(key)] = object_of(element, with_arrays);
-      return std::move(object);
+      return object;
     }
     default:
       break;
@@ -73,7 +73,7 @@ py::object object_of(const nlohmann::json& value, bool with_arrays) {
   }
   py::list list;
   for (const nlohmann::json& element : value) list.append(object_of(element, with_arrays));
-  return std::move(list);
+  return list;
 }
 
 }  // namespace

@@ -23,22 +23,22 @@ using Column = std::vector<double>;
 // Relative difference of theories computed on two machines.
 constexpr double kSameTheory = 1e-6;
 
-const Column& column(const ResultTables& files, const std::string& file, const std::string& name) {
+const Column& column(const ResultTables& files, const char* file, const char* name) {
   const CsvTable& table = files.tables.at(file);
   const auto found = std::find(table.names.begin(), table.names.end(), name);
   const std::size_t at = static_cast<std::size_t>(found - table.names.begin());
   const Column* values = found == table.names.end() ? nullptr : std::get_if<Column>(&table.columns[at]);
-  if (values == nullptr) throw std::invalid_argument(file + ".csv: " + name + ": must be a column of numbers");
+  if (values == nullptr) throw std::invalid_argument(formatted("%s.csv: %s: must be a column of numbers", file, name));
   return *values;
 }
 
 // As measured, without fourth moments.
-std::vector<Moments> moments_in(const ResultTables& files, const std::string& file, std::size_t cells) {
+std::vector<Moments> moments_in(const ResultTables& files, const char* file, std::size_t cells) {
   const Column &counts = column(files, file, "count"), &means = column(files, file, "mean"),
                &variances = column(files, file, "variance");
   if (counts.size() != cells)
-    throw std::invalid_argument(formatted("%s.csv: %zu rows: must be %zu, by its followers, steps and signals",
-                                          file.c_str(), counts.size(), cells));
+    throw std::invalid_argument(
+        formatted("%s.csv: %zu rows: must be %zu, by its followers, steps and signals", file, counts.size(), cells));
   std::vector<Moments> all;
   for (std::size_t c = 0; c < cells; ++c) {
     const auto count = static_cast<std::uint64_t>(counts[c]);
