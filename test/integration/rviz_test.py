@@ -53,22 +53,22 @@ class Picture(LaunchTest):
         with os.fdopen(reading) as number:
             return ":" + number.readline().strip()
 
+    def in_order(self, terminal, frame_buffer):
+        """Seen from behind: the last vehicle is nearest, at the lower left. At the start only noise separates the vehicles."""
+        self.assertIsNone(terminal.process.poll(), terminal.text())
+        found = places(picture(frame_buffer))
+        if None in found:
+            return None
+        rows, columns = [place[0] for place in found], [place[1] for place in found]
+        return rows == sorted(rows) and columns == sorted(columns, reverse=True) and columns[0] - columns[-1] > 100
+
     def test_vehicles_stand_on_the_road_in_their_colours_and_their_order(self):
         os.environ.update(DISPLAY=self.screen(), LIBGL_ALWAYS_SOFTWARE="1", XDG_RUNTIME_DIR=self.folder)
         frame_buffer = os.path.join(self.folder, "Xvfb_screen0")
         self.assertEqual(places(picture(frame_buffer)), [None] * len(HUES), "of an empty screen")
         for start in range(MOST_STARTS):
             terminal = self.launch("live.launch", followers=5, rate=20, output=self.path("run_{}".format(start)))
-
-            def in_order():
-                """Seen from behind: the last vehicle is nearest, at the lower left. At the start only noise separates the vehicles."""
-                self.assertIsNone(terminal.process.poll(), terminal.text())
-                found = places(picture(frame_buffer))
-                if None in found:
-                    return None
-                rows, columns = [place[0] for place in found], [place[1] for place in found]
-                return rows == sorted(rows) and columns == sorted(columns, reverse=True) and columns[0] - columns[-1] > 100
-            live_platoon.wait_for(lambda: CRASHED.search(terminal.text()) or in_order(), "all colours in their order", 90)
+            live_platoon.wait_for(lambda: CRASHED.search(terminal.text()) or self.in_order(terminal, frame_buffer), "all colours in their order", 90)
             if not CRASHED.search(terminal.text()):
                 return
             terminal.end()

@@ -59,13 +59,13 @@ std::vector<Cluster> clustered(const std::vector<DoubleComplex>& values) {
 /// outside.
 void add_circle(const Eigen::MatrixXcd& matrix, const Cluster& cluster, const std::vector<DoubleComplex>& outside,
                 std::vector<ResolventTerm>& terms) {
-  constexpr double kLastDigit = 40.0;  // -ln
+  constexpr double kDecay = 40.0;  // -ln of the last digit
   constexpr int kMostPoints = 200;
   const DoubleComplex centre = cluster.centre();
   double free = 1.0 - std::abs(centre);
   for (const DoubleComplex& other : outside) free = std::min(free, std::abs(other - centre));
   const double inner = std::max(cluster.spread(), 0.01 * free), radius = std::sqrt(inner * free);
-  const int points = std::min(kMostPoints, static_cast<int>(std::ceil(kLastDigit / std::log(radius / inner))));
+  const int points = std::min(kMostPoints, static_cast<int>(std::ceil(kDecay / std::log(radius / inner))));
   const Eigen::MatrixXcd identity = Eigen::MatrixXcd::Identity(matrix.rows(), matrix.cols());
   for (int k = 0; k < points; ++k) {
     const DoubleComplex turn = std::polar(radius, 2.0 * boost::math::double_constants::pi * (k + 0.5) / points),

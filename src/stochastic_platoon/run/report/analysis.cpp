@@ -211,7 +211,7 @@ nlohmann::json to_json(const Configuration& configuration, const Analysis& analy
   const VehicleModel& own = configuration.model.default_vehicle();
   nlohmann::json document = nlohmann::json::object();
   if (analysis.without_theory)
-    document["reason"] = without_theory(*analysis.without_theory);
+    document["reason"] = reason_without_theory(*analysis.without_theory);
   else
     document = theory_to_json(configuration, analysis);
   document.update({{"headway", own.headway},

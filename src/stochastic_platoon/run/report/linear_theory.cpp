@@ -58,7 +58,7 @@ nlohmann::json linear_json(const Configuration& configuration) {
   const std::optional<std::string> reason = no_theory(linear);
   nlohmann::json document = {{"theory", name_of_theory(!reason)}};
   if (reason) {
-    document["reason"] = without_theory(*reason);
+    document["reason"] = reason_without_theory(*reason);
     return document;
   }
   document.update(to_json(string_stability(linear)));

@@ -50,7 +50,7 @@ Prediction no_prediction(const Configuration& configuration, const std::string& 
       run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
   StringStability unknown;
   unknown.spectral_radius = kNaN;
-  unknown.reason = without_theory(reason);
+  unknown.reason = reason_without_theory(reason);
   return {unknown, std::vector<double>(run.followers, kNaN), std::vector<double>(cells, kNaN),
           std::vector<double>(cells, kNaN)};
 }

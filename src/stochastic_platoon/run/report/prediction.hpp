@@ -18,7 +18,7 @@ inline const char* name_of_theory(bool exists) {
 }
 
 /// The reason of a verdict where there is no theory.
-inline std::string without_theory(const std::string& reason) {
+inline std::string reason_without_theory(const std::string& reason) {
   return "none, as " + reason;
 }
 
