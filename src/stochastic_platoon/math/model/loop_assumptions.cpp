@@ -47,7 +47,7 @@ std::string rounded_away(const ClosedLoop& loop, double headway) {
   if (tracks_a_ramp(gain, headway) && (spectral_radius(loop) >= 1.0 || spectral_radius(loop.realization) < 1.0))
     return {};
   return formatted(
-      "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double its coefficients have T(1) = %Lg and dT/dz(1) = %Lg instead of 1 and -h for h = %g: increase sample_period",
+      "the closed loop is too slow for its sample period: its poles lie so close to z = 1 that in double its coefficients have T(1) = %Lg and dT/dz(1) = %Lg instead of 1 and -h for h = %g: increase sample_period, or decrease the headway",
       gain.value, gain.slope, headway);
 }
 
@@ -56,7 +56,7 @@ std::string rounded_equilibrium(const ClosedLoop& loop) {
   long double nearest = std::numeric_limits<long double>::infinity();
   for (const std::complex<long double>& s : poles_of(loop)) nearest = std::min(nearest, std::abs(s));
   return formatted(
-      "the closed loop is too slow for its sample period: a pole lies %.3Lg beside z = 1, so close that A has an eigenvalue at 1 to the rounding of double, and the equilibrium in which the vehicles start is lost: increase sample_period, or the gain of the slow mode (ki)",
+      "the closed loop is too slow for its sample period: a pole lies %.3Lg beside z = 1, so close that A has an eigenvalue at 1 to the rounding of double, and the equilibrium in which the vehicles start is lost: increase sample_period, or the gain of the slow mode (ki), or decrease the headway",
       nearest);
 }
 

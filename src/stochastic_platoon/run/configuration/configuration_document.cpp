@@ -32,6 +32,12 @@ void require_known(const std::map<std::string, std::string>& given) {
   if (!problems.empty()) throw ConfigurationError(problems);
 }
 
+// The index in a list that a part of a path is; the list's size if it is none.
+std::size_t index_in(const YAML::Node& list, const std::string& key) {
+  const bool is_number = !key.empty() && key.size() < 9 && key.find_first_not_of("0123456789") == std::string::npos;
+  return is_number ? std::min<std::size_t>(std::stoul(key), list.size()) : list.size();
+}
+
 // Sets the value at the path "a/b" and creates missing mappings. Returns false if the path leads through a value that
 // is neither a mapping nor a list of that length.
 bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
@@ -39,10 +45,10 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   const std::string key = path.substr(0, slash);
   const bool leaf = slash == std::string::npos;
   if (node.IsSequence()) {
-    const bool is_index = !key.empty() && key.size() < 9 && key.find_first_not_of("0123456789") == std::string::npos;
-    if (!is_index || std::stoul(key) >= node.size()) return false;
-    if (!leaf) return put_at(path.substr(slash + 1), value, node[std::stoul(key)]);
-    node[std::stoul(key)] = YAML::Clone(value);
+    const std::size_t index = index_in(node, key);
+    if (index == node.size()) return false;
+    if (!leaf) return put_at(path.substr(slash + 1), value, node[index]);
+    node[index] = YAML::Clone(value);
     return true;
   }
   if (!node.IsMap() && !node.IsNull()) return false;
@@ -54,8 +60,10 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   return put_at(path.substr(slash + 1), value, node[key]);
 }
 
+// An entry of a mapping that is read as a list, or the reverse, is not valid: yaml-cpp throws if it is asked for its
+// type.
 bool has_key(const YAML::Node& node, const std::string& key) {
-  return node.IsMap() && node[key];
+  return node && node.IsMap() && node[key];
 }
 
 // The value at a key; null unless the node is a mapping that has it.
@@ -97,8 +105,8 @@ void remove_at(const std::string& path, YAML::Node node) {
   const std::string key = path.substr(0, slash);
   if (slash == std::string::npos) {
     if (node.IsMap()) node.remove(key);
-  } else if (node.IsSequence()) {
-    remove_at(path.substr(slash + 1), node[std::stoul(key)]);
+  } else if (node.IsSequence() && index_in(node, key) < node.size()) {
+    remove_at(path.substr(slash + 1), node[index_in(node, key)]);
   } else if (has_key(node, key)) {
     remove_at(path.substr(slash + 1), node[key]);
   }

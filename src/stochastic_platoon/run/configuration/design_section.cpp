@@ -1,5 +1,7 @@
 #include "stochastic_platoon/run/configuration/design_section.hpp"
 
+#include <stdexcept>
+
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/fraction.hpp"
 
@@ -23,7 +25,13 @@ Plant sampled(Section& section, ContinuousPlant plant, double sample_period, std
   if (plant.input_delay > longest)
     section.reject("input_delay", formatted("%g s", plant.input_delay),
                    formatted("at most %ld sample periods, %g s", kLongestInputDelay, longest));
-  return section.problems() == before && sample_period > 0.0 ? Plant(plant, sample_period) : placeholder_plant();
+  if (section.problems() > before || !(sample_period > 0.0)) return placeholder_plant();
+  try {
+    return Plant(plant, sample_period);
+  } catch (const std::invalid_argument& error) {
+    section.report_whole(error.what());
+    return placeholder_plant();
+  }
 }
 
 Plant read_continuous(Section section, double sample_period) {

@@ -94,18 +94,15 @@ void share_losses(Section& section, VehicleModel& vehicle) {
 
 void check_positions(Section& section, const VehicleModel& vehicle) {
   double sum = 0.0;
-  std::size_t positions = 0;
   for (const Input& input : vehicle.inputs) {
     if (input.signal != InputSignal::position) continue;
-    ++positions;
     sum += input.gain;
     if (input.ahead == Input::kLeader && !vehicle.constant_spacing)
       section.reject("inputs", "a position from the leader",
                      "of vehicles at a number ahead unless spacing is constant: with a headway the distance to the "
                      "leader would grow along the string");
   }
-  if (positions == 0) section.reject("inputs", "no position", "at least one position");
-  if (positions > 0 && !(std::abs(sum - 1.0) <= 1e-9))
+  if (!(std::abs(sum - 1.0) <= 1e-9))
     section.reject("inputs", formatted("positions of weights that sum to %.12g", sum),
                    "positions of weights that sum to 1");
   if (vehicle.inputs.size() > kMostInputs)
@@ -129,6 +126,7 @@ GivenInputs read_inputs(Section& section, VehicleModel& vehicle, bool allow_unst
     has_position = has_position || first;
     inputs.push_back(read_input(input, signal, first, vehicle, allow_unstable));
   }
+  if (section.problems() == at_first && !has_position) section.reject("inputs", "no position", "at least one position");
   if (section.problems() > at_first) return given;
   // One position and one control input of the predecessor have their places, whatever the order in the file.
   if (inputs.size() == 2 && inputs.front().signal == InputSignal::input &&

@@ -104,9 +104,11 @@ void read_by_distance(Section& section, LossModel& loss) {
 
 // Reads recorded losses, their probability and their mean burst, which is undefined if nothing is lost.
 void read_trace(Section& section, LossModel& loss) {
+  const std::size_t before = section.problems();
   const bool is_file = section.has("trace");
   const std::string key = is_file ? "trace" : "runs", text = section.text(key);
   const std::string column = section.has("column") ? section.text("column") : "received";
+  if (section.problems() > before) return;
   require_alone(section, key, {"probability", "mean_burst", "runs", "markov"});
   loss.by_distance.reset();
   loss.markov.reset();
@@ -162,6 +164,7 @@ void check_growth(Section& section, const LossModel& loss) {
 }
 
 LossModel read_loss(Section section, const std::optional<LossModel>& base, bool allow_unstable, InputSignal signal) {
+  if (!section.is_mapping()) return LossModel();
   const std::size_t before = section.problems();
   LossModel loss = base.value_or(LossModel());
   if (section.has("by_distance")) {

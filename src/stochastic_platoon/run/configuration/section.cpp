@@ -30,9 +30,11 @@ const Allowed kLossProbability{"a number from 0 to below 1", 0.0, kLargest, 1.0}
 Section::Section(const YAML::Node& node, const std::string& path, std::vector<std::string>& problems)
     : node_(node), path_(path), problems_(problems) {
   if (node_.IsNull() && !path.empty()) return;  // missing, and already reported
-  if (!node_.IsMap()) {
-    problems_.push_back((path.empty() ? "the document" : path) + ": " + shown(node) + ": must be a mapping of keys");
-  }
+  if (node_.IsMap()) return;
+  const std::string problem =
+      (path.empty() ? "the document" : path) + ": " + shown(node) + ": must be a mapping of keys";
+  // A section may be read more than once.
+  if (std::find(problems_.begin(), problems_.end(), problem) == problems_.end()) problems_.push_back(problem);
 }
 
 bool Section::has(const std::string& key) {
