@@ -94,12 +94,21 @@ class Inputs(ExternalTest):
         for vehicle in (2, 4):
             self.start(program, "_index:={}".format(vehicle), "__name:=external_{}".format(vehicle))
             self.assert_keeps_the_contract(vehicle, "--model", model)
-        settings, output = dict(SETTINGS, realizations=500), self.path("external")
-        self.completed(self.launch(model=model, output=output, external="2,4", batch=500, **settings))
+        self.check_external(model, "2,4", FOLLOWERS, STEPS, 500)
+
+    def check_external(self, model, external, followers, steps, realizations):
+        settings, output = dict(followers=followers, steps=steps, realizations=realizations), self.path("external/" + os.path.basename(model))
+        self.completed(self.launch(model=model, output=output, external=external, batch=realizations, **settings), output)
         live_platoon.reference(output, model=model, **settings)
         measured, expected = rows(output), rows(os.path.join(output, "reference"))
-        self.assertEqual(len(measured), FOLLOWERS * STEPS)
+        self.assertEqual(len(measured), followers * steps)
         self.assertEqual({key: row[:2] for key, row in measured.items()}, {key: row[:2] for key, row in expected.items()})
+
+    def test_of_a_kept_external_vehicle_whose_next_run_has_none_of_its_topics(self):
+        self.start(os.path.join(os.environ["PLATOON_TEST_PROGRAMS"], "external_by_model"), "_index:=3")
+        ahead = dict(mixed(), inputs=[{"signal": "position", "from": 2, "noise_variance": 0.02}], string=["default"])
+        for name, model in (("predecessor", dict(mixed(), string=["human"])), ("second_ahead", ahead), ("both", mixed())):
+            self.check_external(self.write(name + ".yaml", json.dumps(model)), "3", 4, 20, 50)
 
 
 if __name__ == "__main__":

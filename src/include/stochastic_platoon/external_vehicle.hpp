@@ -91,8 +91,7 @@ private:
   struct Stream {
     ros::Subscriber subscriber = {};
     Message::ConstPtr latest = {};
-    std::vector<Message::ConstPtr> early = {};  ///< of a run that its first input has not begun
-    std::optional<std::size_t> number = {};     ///< of the input in the present run; none: not heard there
+    std::optional<std::size_t> number = {};  ///< of the input in the present run; none: not heard there
 
     bool takes(const Message::ConstPtr& message);
   };
@@ -108,7 +107,6 @@ private:
   Start start_;
   MoveByInputs move_;
   Hears hears_;
-  std::string first_;                                     ///< topic by which it notices another run
   std::uint64_t run_ = 0;                                 ///< the present one; 0: none yet
   std::map<std::string, Stream> streams_;                 ///< by topic
   std::shared_ptr<MessageSets<Message::ConstPtr>> sets_;  ///< of all inputs of a step

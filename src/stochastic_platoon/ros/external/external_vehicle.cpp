@@ -170,17 +170,16 @@ ExternalVehicle::ExternalVehicle(const ros::NodeHandle& platoon, std::size_t ind
       start_(std::move(start)),
       move_(std::move(move)),
       hears_(hears),
-      first_(received_position(index)),
       sets_(std::make_shared<MessageSets<Message::ConstPtr>>(1)) {
   require_follower(index);
   position_ = platoon_.advertise<Position>(vehicle_name(index) + "/position", kUnbounded);
   if (hears != Hears::position) input_ = platoon_.advertise<Position>(vehicle_name(index) + "/input", kUnbounded);
-  subscribe(first_);
+  subscribe(received_position(index));
   if (hears != Hears::position) subscribe(received_input(index));
-  if (hears != Hears::all || !platoon_.hasParam("configuration")) return;
-  const std::vector<std::string> topics = heard_topics();
-  first_ = topics.front();
-  for (const std::string& topic : topics) subscribe(topic);
+  if (hears != Hears::all) return;
+  subscribe(vehicle_name(index) + "/inputs/0");  // the first input of any run is one of these three
+  if (!platoon_.hasParam("configuration")) return;
+  for (const std::string& topic : heard_topics()) subscribe(topic);
 }
 
 // In the present run.
@@ -222,27 +221,18 @@ bool ExternalVehicle::Stream::takes(const Message::ConstPtr& message) {
 void ExternalVehicle::begin(std::uint64_t run) {
   run_ = run;
   const std::vector<std::string> topics = heard_topics();
-  first_ = topics.front();
   for (auto& [topic, stream] : streams_) stream.number.reset();
   *sets_ = MessageSets<Message::ConstPtr>(topics.size());
   for (std::size_t n = 0; n < topics.size(); ++n) {
     subscribe(topics[n]);
-    Stream& stream = streams_[topics[n]];
-    stream.number = n;
-    for (const Message::ConstPtr& message : std::exchange(stream.early, {})) {
-      if (message->run == run) sets_->add(n, message);
-    }
+    streams_[topics[n]].number = n;
   }
 }
 
 void ExternalVehicle::receive(const std::string& topic, const Message::ConstPtr& message) {
   Stream& stream = streams_[topic];
   if (!stream.takes(message)) return;
-  if (topic == first_ && message->run != run_) begin(message->run);
-  if (message->run != run_) {
-    if (message->step == -1) stream.early.clear();
-    return stream.early.push_back(message);
-  }
+  if (message->run != run_) begin(message->run);
   if (!stream.number) return;
   sets_->add(*stream.number, message);
   sets_->visit(run_, [this](const auto& received) { answer(received); });
