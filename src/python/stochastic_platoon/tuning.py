@@ -12,7 +12,7 @@ import numpy as np
 
 from .bounds import MAXIMA, MEAN, lower_bound
 from .model import Model, PathLike
-from .simulation import monte_carlo, run_settings
+from .simulation import monte_carlo, positive, run_settings
 from .tuning_problem import Condition, Constraint, Figure, Point, Problem, Progress, box_of
 from .tuning_search import derivative, search
 
@@ -156,9 +156,10 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     box = box_of(model, over)
     constraints = [Constraint.of(figure, condition) for figure, condition in (subject_to or {}).items()]
     constraints += [verdict.margin() for verdict in constraints if verdict.wanted and verdict.figure.endswith("string_stable")]
-    probability = "" if collision_probability is None else repr(float(collision_probability))
-    settings = run_settings(followers=followers, steps=steps)
-    problem = Problem(model, minimise, box, constraints, settings, probability, progress)
+    probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
+    settings = run_settings(followers=followers, steps=steps, realizations=None if realizations == 0 else realizations)
+    axes, points = (("", ""), 0) if pareto is None else axes_of(pareto)
+    problem = Problem(model, minimise, box, constraints, settings, probability, progress, others=[axis for axis in axes if axis])
     best = search(problem)
     require_feasible(problem, best)
     require_dependence(problem, best)
@@ -178,7 +179,7 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
                     dict(zip((constraint.figure for constraint in constraints), best.figures)), binding, slopes, bound, reason,
                     len(problem.evaluated))
     if pareto is not None:
-        result.axes, result.front = front_of(problem, pareto)
+        result.axes, result.front = axes, front_of(problem, *axes, points)
     if realizations > 0:
         progress("monte_carlo", realizations, result.goal)
         result.confirmation = confirmed(found, realizations, followers, steps)
@@ -194,15 +195,18 @@ def confirmed(model: Model, realizations: int, followers: int, steps: Optional[i
     return {"realizations": realizations, "max_abs_z": results.max_abs_z, "agrees": "DISAGREE" not in verdicts[0], "verdict": verdicts[0]}
 
 
-def front_of(problem: Problem, pareto: Mapping[str, Any]) -> Tuple[Tuple[str, str], List[Dict[str, Any]]]:
-    """The least `over` for evenly spaced upper bounds of `against`, between the value of `against` at the least `over` and its own
-    least value. Raises ValueError."""
+def axes_of(pareto: Mapping[str, Any]) -> Tuple[Tuple[str, str], int]:
+    """The two figures of a front, and the number of its points. Raises ValueError."""
     unknown = sorted(set(pareto) - {"over", "against", "points"})
     points = pareto.get("points", 20)
     if unknown or not {"over", "against"} <= set(pareto) or isinstance(points, bool) or not isinstance(points, int) or points < 2:
         raise ValueError("pareto: {!r}: must be over: FIGURE, against: FIGURE, points: 2 or more".format(dict(pareto)))
-    over, against = str(pareto["over"]), str(pareto["against"])
+    return (str(pareto["over"]), str(pareto["against"])), points
 
+
+def front_of(problem: Problem, over: str, against: str, points: int) -> List[Dict[str, Any]]:
+    """The least `over` for evenly spaced upper bounds of `against`, between the value of `against` at the least `over` and its own
+    least value. Raises ValueError."""
     def solve(goal: str, bounds: List[Constraint], starts: Sequence[Array]) -> Tuple[Problem, Point]:
         other = Problem(problem.model, goal, problem.over, problem.constraints + bounds, problem.settings, problem.collision_probability,
                         problem.progress, "front")
@@ -223,4 +227,4 @@ def front_of(problem: Problem, pareto: Mapping[str, Any]) -> Tuple[Tuple[str, st
         if best.violation == 0.0:
             place = ends.place_of(best.values)
             front.append({"over": best.goal, "against": best.figures[-1], "variables": dict(zip(problem.over, best.values))})
-    return (over, against), front
+    return front

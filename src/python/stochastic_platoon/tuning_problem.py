@@ -58,6 +58,13 @@ def whole_number(value: Any) -> Figure:
     return float(value) if math.isfinite(float(value)) else None
 
 
+def end_of_range(value: Any) -> float:
+    """A number that was given, also as a text. Raises TypeError and ValueError, for a truth value, too. Internal."""
+    if isinstance(value, bool):
+        raise TypeError
+    return float(value)
+
+
 def model_value(model: Model, path: str) -> Any:
     """The value of a key of a model. Raises KeyError. Internal."""
     return model.time_headway_seconds if path == "time_headway_seconds" else at_path(model.to_dict(), path)
@@ -88,8 +95,8 @@ class Constraint:
                 low, high = (float(condition), math.inf) if at_least else (-math.inf, float(condition))
             else:
                 first, last = condition
-                low = -math.inf if first is None else float(first)
-                high = math.inf if last is None else float(last)
+                low = -math.inf if first is None else end_of_range(first)
+                high = math.inf if last is None else end_of_range(last)
         except (TypeError, ValueError):
             low, high = math.nan, math.nan
         if not low <= high:
@@ -143,12 +150,14 @@ class Problem:
     collision_probability: str = ""
     progress: Progress = lambda stage, evaluations, goal: None
     stage: str = "search"
+    others: Sequence[str] = ()  #: further figures that must exist
     evaluated: Dict[Tuple[float, ...], Point] = field(default_factory=dict)
     least: Optional[Point] = None
     threads: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(os.cpu_count()))
 
     def __post_init__(self) -> None:
-        paths = [self.minimise] + [constraint.figure for constraint in self.constraints if not constraint.follows]
+        conditions = {constraint.figure: constraint.wanted is not None for constraint in self.constraints if not constraint.follows}
+        paths = [self.minimise, *conditions, *self.others]
         self.signals = ",".join(name for name in SIGNALS if any(path.replace(".", "/").startswith("signals/" + name) for path in paths))
         if any(path.startswith("collision") for path in paths) and not self.collision_probability:
             raise ValueError("collision_probability: missing: must be given for figures of collision")
@@ -157,20 +166,24 @@ class Problem:
         problems = []
         for path in paths:
             try:
-                at_path(everything, path)
+                found = at_path(everything, path)
             except KeyError:
                 try:
-                    model_value(self.model, path)
+                    found = model_value(self.model, path)
                     self.of_model.add(path)
-                    continue
                 except KeyError:
                     problems.append("{}: no figure of the analysis and no key of the model: must be one of {}".format(
                         path, ", ".join(sorted(figures_of(everything)))))
                     continue
             try:
-                whole_number(at_path(everything, path))
+                value = whole_number(found)
             except ValueError as error:
-                problems.append("{}: {}: name one of its entries, as {}".format(path, error, (figures_of(at_path(everything, path), path) + ["-"])[0]))
+                problems.append("{}: {}: name one of its entries, as {}".format(path, error, (figures_of(found, path) + ["-"])[0]))
+                continue
+            is_verdict = isinstance(value, bool)
+            if value is not None and is_verdict != conditions.get(path, False):
+                problems.append("{}: is {}: must be {}".format(path, *("true or false", "in subject_to, with true or false") if is_verdict
+                                                               else ("a number", "a number or [low, high] in subject_to")))
         if problems:
             raise ValueError("\n".join(problems))
         first, *others = (None if path in self.of_model else path.replace(".", "/").split("/")[0]
@@ -269,7 +282,7 @@ def box_of(model: Model, over: Mapping[str, Sequence[float]]) -> Dict[str, Tuple
     box, problems = {}, []
     for key, ends in over.items():
         try:
-            low, high = (float(end) for end in ends)
+            low, high = (end_of_range(end) for end in ends)
             if not (math.isfinite(low) and math.isfinite(high) and low < high):
                 raise ValueError
             box[key] = (low, high)
