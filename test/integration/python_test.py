@@ -79,6 +79,10 @@ class Models(ModuleTest):
         for bad in (object(), [object()], {(1, 2): 3}, b"3"):
             self.assertRaisesText(ValueError, "headway: ", model.replace, headway=bad)
         self.assertRaisesText(ValueError, "signals: 5: must be names", sp.analyze, model, signals=5)
+        self.assertRaisesText(ValueError, "keys: [1]: must be names", sp.analyze, model, keys=[1])
+        self.assertEqual(sp.analyze(model, keys="peak_gain")["peak_gain"], sp.analyze(model)["peak_gain"])
+        self.assertRaisesText(ValueError, "document: 'paper.yaml': must be a dictionary", sp.Model.from_dict, "paper.yaml")
+        self.assertRaisesText(ValueError, "1: unknown key", model.replace, {1: 2})
         self.assertRaisesText(ValueError, "collision_probability: <object", sp.analyze, model, collision_probability=object())
         self.assertRaisesText(ValueError, "loss: [None]: must be a list of numbers", sp.stability_map, model, loss=[None])
         document = model.to_dict()

@@ -78,6 +78,8 @@ class Model:
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> Model:
         """The model of a dictionary that to_dict() returned. Raises ValueError with all problems."""
+        if not isinstance(document, Mapping):
+            raise ValueError("document: {:.80}: must be a dictionary, as to_dict() returns it".format(repr(document)))
         return cls.parse(_as_json(dict(document)))
 
     def replace(self, changes: Optional[Mapping[str, Any]] = None, **keys: Any) -> Model:
@@ -86,7 +88,7 @@ class Model:
         The short names of launch arguments work, too: headway, loss, mean_burst, delay, leader. Raises ValueError with all
         problems.
         """
-        named = {name: _as_json(value, name) for name, value in {**(changes or {}), **keys}.items()}
+        named = {str(name): _as_json(value, name) for name, value in {**(changes or {}), **keys}.items()}
         return Model(self._handle.replaced(named))
 
     def to_dict(self) -> Dict[str, Any]:

@@ -24,14 +24,14 @@ def run_settings(**values: object) -> Dict[str, str]:
     return {name: str(value) for name, value in values.items() if value is not None}
 
 
-def listed(names: Iterable[str]) -> str:
+def listed(names: Iterable[str], argument: str = "signals") -> str:
     """Names in the format of the settings, separated by commas. Raises ValueError for anything else. Internal."""
     if isinstance(names, str):
         return names
     try:
         return ",".join(names)
     except TypeError:
-        raise ValueError("signals: {!r}: must be names, as in ['gap', 'speed']".format(names)) from None
+        raise ValueError("{}: {!r}: must be names, as in ['gap', 'speed']".format(argument, names)) from None
 
 
 def positive(name: str, value: object) -> float:

@@ -144,7 +144,8 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
     probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
-    document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability, set(keys))
+    needed = set(listed(keys, "keys").split(",")) - {""}
+    document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability, needed)
     return Analysis(document, "analysis", report)
 
 
