@@ -171,6 +171,16 @@ class Charts(Fed):
             else:
                 self.assertAlmostEqual(float(row[6]), 0.9 * (error[k] - error[last]) / (0.1 * (k - last)), delta=0.002)
 
+    def test_snapshots_too_far_apart_for_an_acceleration_say_so(self):
+        self.begin(5, vehicle_length=2.0)
+        self.drive(range(BURN_IN, BURN_IN + 100, 10))
+        self.open()
+        self.drive_seen(range(BURN_IN + 100, BURN_IN + 150, 10))
+        self.wait_for_page("document.getElementById('motion-acceleration').dataset.note", "a note in place of accelerations")
+        for _ in self.at_both_sizes("far-apart"):
+            notes = self.browser.run("return ['gap', 'speed', 'acceleration'].map(name => document.getElementById('motion-' + name).dataset.note)")
+            self.assertEqual(notes, ["", "", "the snapshots are too many steps apart"])
+
     def test_a_run_at_full_speed_has_no_motion_to_watch(self):
         self.state.take_configuration(configuration(5, 30))
         self.followers = 5

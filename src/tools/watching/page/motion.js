@@ -86,7 +86,9 @@ export class Motion {
       context.lineWidth = chosen === i ? 3 : 1.8;
       for (const [first, end] of this.stretches()) line(context, xs.slice(first, end), lines[row].slice(first, end), y);
     });
-    Object.assign(canvas.dataset, { low: scale.low, high: scale.high, from, to });
+    const note = this.columns.length > 1 && lines.length && lines.flat().every(v => v === null) ? "the snapshots are too many steps apart" : "";
+    label(context, note, (LEFT + right) / 2, (TOP + foot) / 2 - 8, "center");
+    Object.assign(canvas.dataset, { low: scale.low, high: scale.high, from, to, note });
   }
 
   // [first, end) of the columns between two breaks.
