@@ -56,7 +56,12 @@ void for_each_trajectory(const PlatoonModel& model, const WhiteNoise& noise, std
   const auto count = static_cast<std::size_t>(steps);
   const double slope = start_slope(model);
   const std::size_t farthest = farthest_ahead(model);
-  const Trajectory leader = of_leader(model, count, sends_input(model, 0, followers) || has_limits(model));
+  Trajectory leader = of_leader(model, count, sends_input(model, 0, followers) || has_limits(model));
+  leader.signals.resize(1);
+  for (const Signal& signal : signals_of(model, signals, 1).requested) {
+    const bool exists = !signal.is_relative() && !signal.is_input;
+    leader.signals.push_back(exists ? values_of(signal, leader, leader, slope) : std::vector<double>());
+  }
   std::deque<Trajectory> ahead{leader};  // trajectories of the vehicles directly ahead, the nearest first
   take(leader);
   for (std::uint32_t i = 1; i <= followers; ++i) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -61,6 +62,21 @@ TEST(Trajectories, AreAtRestBeforeTheFirstStep) {
   ASSERT_EQ(y.size(), 4u);
   EXPECT_EQ(found[1].signals[2][0], (y[1] - y[0]) / 0.1 * 1.0) << "speed";
   EXPECT_DOUBLE_EQ(found[1].signals[4][0], (y[1] - y[0]) / 0.001) << "jerk";
+}
+
+TEST(Trajectories, OfTheLeaderHaveItsMotionAndNothingRelative) {
+  const Trajectory leader = trajectories(eventful_platoon(3.2), 1, 1, kSteps, 0).front();
+  ASSERT_EQ(leader.signals.size(), kSignals.size() + 1);
+  for (const std::size_t relative : {0, 1, 5}) EXPECT_TRUE(leader.signals[relative].empty()) << relative;
+  const std::vector<double>& speed = leader.signals[2];
+  ASSERT_EQ(speed.size(), static_cast<std::size_t>(kSteps));
+  double fastest = 0.0;
+  for (std::size_t k = 1; k < speed.size(); ++k) {
+    EXPECT_DOUBLE_EQ(speed[k], (leader.position[k + 1] - leader.position[k]) / 0.1);
+    EXPECT_NEAR(leader.signals[3][k], (speed[k] - speed[k - 1]) / 0.1, 1e-9) << "acceleration";
+    fastest = std::max(fastest, speed[k]);
+  }
+  EXPECT_GT(fastest, 1.0);
 }
 
 }  // namespace
