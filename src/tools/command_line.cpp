@@ -29,6 +29,16 @@ std::string help_of(const std::string& name) {
   throw std::logic_error(name + ": is no setting");
 }
 
+// Boost would take the next option for the value of one without a value.
+void require_values(int argc, char** argv, const options::options_description& known) {
+  const auto is_option = [](const std::string& word) { return word.compare(0, 2, "--") == 0 && word.size() > 2; };
+  for (int at = 1; at + 1 < argc; ++at) {
+    const options::option_description* option = is_option(argv[at]) ? known.find_nothrow(argv[at] + 2, false) : nullptr;
+    if (option != nullptr && option->semantic()->min_tokens() > 0 && is_option(argv[at + 1]))
+      throw options::error(std::string(argv[at]) + ": " + argv[at + 1] + ": must be a value, not the next option");
+  }
+}
+
 }  // namespace
 
 std::string option_name(std::string name) {
@@ -61,6 +71,7 @@ CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& acc
       known.add_options()("word", options::value(&line.words));
       positionals.add("word", -1);
     }
+    require_values(argc, argv, known);
     options::store(options::command_line_parser(argc, argv).options(known).positional(positionals).style(style).run(),
                    values);
     if (values.count("help") > 0) {

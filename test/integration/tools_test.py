@@ -49,6 +49,13 @@ class EveryTool(unittest.TestCase):
         for program in self.programs():
             self.assertEqual(run(program, "--nothing").returncode, 2, program)
 
+    def test_rejects_the_next_option_in_place_of_a_value(self):
+        for arguments in (("--followers", "--output", "/nowhere"), ("--model", "paper.yaml", "--leader", "--followers", "3")):
+            done = run(live_platoon.executable("monte_carlo"), *arguments)
+            option = arguments[-3]
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn("{}: {}: must be a value, not the next option".format(option, arguments[-2]), done.stdout)
+
 
 class BadInput(unittest.TestCase):
     def rejected(self, said, tool, *arguments):

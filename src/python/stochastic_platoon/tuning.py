@@ -159,7 +159,7 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
     settings = run_settings(followers=followers, steps=steps, realizations=None if realizations == 0 else realizations)
     axes, points = (("", ""), 0) if pareto is None else axes_of(pareto)
-    problem = Problem(model, minimise, box, constraints, settings, probability, progress, others=[axis for axis in axes if axis])
+    problem = Problem(model, minimise, box, constraints, settings, probability, progress, also=[axis for axis in axes if axis])
     best = search(problem)
     require_feasible(problem, best)
     require_dependence(problem, best)

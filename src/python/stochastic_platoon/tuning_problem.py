@@ -150,14 +150,14 @@ class Problem:
     collision_probability: str = ""
     progress: Progress = lambda stage, evaluations, goal: None
     stage: str = "search"
-    others: Sequence[str] = ()  #: further figures that must exist
+    also: Sequence[str] = ()  #: further figures that must exist
     evaluated: Dict[Tuple[float, ...], Point] = field(default_factory=dict)
     least: Optional[Point] = None
     threads: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(os.cpu_count()))
 
     def __post_init__(self) -> None:
         conditions = {constraint.figure: constraint.wanted is not None for constraint in self.constraints if not constraint.follows}
-        paths = [self.minimise, *conditions, *self.others]
+        paths = [self.minimise, *conditions, *self.also]
         self.signals = ",".join(name for name in SIGNALS if any(path.replace(".", "/").startswith("signals/" + name) for path in paths))
         if any(path.startswith("collision") for path in paths) and not self.collision_probability:
             raise ValueError("collision_probability: missing: must be given for figures of collision")
