@@ -17,8 +17,8 @@ struct Trajectory {
   /// Each of VehicleModel::inputs as received, up to step steps - 2; empty for vehicle 0.
   std::vector<std::vector<double>> received;
   std::vector<double> input;  ///< v_i(k) = u_i(k-1) [m/s^2]; empty if no follower receives it and it is not measured
-  /// From step 0 on: the tracking error, then the signals of the given names; of vehicle 0 empty if they are relative to
-  /// a predecessor, and for the control input.
+  /// From step 0 on: the tracking error, then the signals of the given names; of vehicle 0 empty if they are relative
+  /// to a predecessor, and for the control input.
   std::vector<std::vector<double>> signals;
 };
 
