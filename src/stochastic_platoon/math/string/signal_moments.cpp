@@ -113,7 +113,7 @@ void add_quiet_means(PlatoonModel model, const std::vector<std::string>& names, 
     type.vehicle.initial_position.variance = 0.0;
   }
   for_each_trajectory(model, 1, followers, static_cast<std::int64_t>(steps), 0, names, [&](const Trajectory& of) {
-    if (of.signals.empty()) return;  // vehicle 0
+    if (of.received.empty()) return;  // vehicle 0
     for (std::size_t s = 0; s < moments.size(); ++s) {
       const std::vector<double>& values = names.empty() ? of.signals[0] : of.signals[s + 1];
       moments[s].mean.insert(moments[s].mean.end(), values.begin(), values.end());
