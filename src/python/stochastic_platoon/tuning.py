@@ -158,8 +158,8 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     constraints += [verdict.margin() for verdict in constraints if verdict.wanted and verdict.figure.endswith("string_stable")]
     probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
     settings = run_settings(followers=followers, steps=steps, realizations=None if realizations == 0 else realizations)
-    axes, points = (("", ""), 0) if pareto is None else axes_of(pareto)
-    problem = Problem(model, minimise, box, constraints, settings, probability, progress, also=[axis for axis in axes if axis])
+    front = None if pareto is None else axes_of(pareto)
+    problem = Problem(model, minimise, box, constraints, settings, probability, progress, also=() if front is None else front[0])
     best = search(problem)
     require_feasible(problem, best)
     require_dependence(problem, best)
@@ -178,8 +178,9 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     result = Tuning(found, minimise, dict(zip(box, best.values)), _number(best.goal),
                     dict(zip((constraint.figure for constraint in constraints), best.figures)), binding, slopes, bound, reason,
                     len(problem.evaluated))
-    if pareto is not None:
-        result.axes, result.front = axes, front_of(problem, *axes, points)
+    if front is not None:
+        result.axes, points = front
+        result.front = front_of(problem, *result.axes, points)
     if realizations > 0:
         progress("monte_carlo", realizations, result.goal)
         result.confirmation = confirmed(found, realizations, followers, steps)

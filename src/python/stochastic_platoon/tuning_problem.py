@@ -180,10 +180,9 @@ class Problem:
             except ValueError as error:
                 problems.append("{}: {}: name one of its entries, as {}".format(path, error, (figures_of(found, path) + ["-"])[0]))
                 continue
-            is_verdict = isinstance(value, bool)
-            if value is not None and is_verdict != conditions.get(path, False):
-                problems.append("{}: is {}: must be {}".format(path, *("true or false", "in subject_to, with true or false") if is_verdict
-                                                               else ("a number", "a number or [low, high] in subject_to")))
+            if value is not None and isinstance(value, bool) != conditions.get(path, False):
+                problems.append("{}: is {}".format(path, "true or false: must be in subject_to, with true or false" if isinstance(value, bool)
+                                                   else "a number: must be a number or [low, high] in subject_to"))
         if problems:
             raise ValueError("\n".join(problems))
         first, *others = (None if path in self.of_model else path.replace(".", "/").split("/")[0]

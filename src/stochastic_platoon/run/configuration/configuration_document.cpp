@@ -60,8 +60,7 @@ bool put_at(const std::string& path, const YAML::Node& value, YAML::Node node) {
   return put_at(path.substr(slash + 1), value, node[key]);
 }
 
-// An entry of a mapping that is read as a list, or the reverse, is not valid: yaml-cpp throws if it is asked for its
-// type.
+// A loop over a mapping as over a list, or the reverse, yields invalid nodes. They are false, and their IsMap() throws.
 bool has_key(const YAML::Node& node, const std::string& key) {
   return node && node.IsMap() && node[key];
 }

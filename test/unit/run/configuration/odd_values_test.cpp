@@ -14,7 +14,8 @@ namespace {
 const std::vector<std::string> kOddValues{"~",    "x",  "true", "-1",    "0",        "3",  "1e-320",
                                           ".nan", "[]", "[1]",  "[[1]]", "[{a: 1}]", "{}", "{a: 1}"};
 
-const std::map<std::string, std::string> kSteps{{"steps", "9"}};  // otherwise each model is asked how long to run it
+// Without it, every document computes how many steps its model needs.
+const std::map<std::string, std::string> kSteps{{"steps", "9"}};
 // Settings that lead to keys of the model, in vain where an odd value has another structure.
 const std::map<std::string, std::string> kOverrides{{"steps", "9"}, {"loss", "0.1"},         {"mean_burst", "2"},
                                                     {"delay", "2"}, {"noise_variance", "1"}, {"headway", "35"}};
