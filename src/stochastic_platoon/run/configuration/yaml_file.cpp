@@ -1,5 +1,7 @@
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <sstream>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
@@ -9,17 +11,30 @@ namespace platoon {
 
 namespace {
 
-// Looks for separator lines, as yaml-cpp's own LoadAll does not terminate on some files.
-bool holds_several_documents(const std::string& text) {
+/// Remembers where a document starts.
+class DocumentStart : public YAML::EventHandler {
+public:
+  int line = 0;  ///< from 0
+  void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+// Reads at most two documents, as yaml-cpp's own LoadAll does not terminate on some files. Text behind a mapping in
+// braces, which YAML::Load ignores, is a document too.
+void expect_one_document(const std::string& text, const std::string& file) {
   std::istringstream stream(text);
-  bool begun = false;
-  for (std::string line; std::getline(stream, line);) {
-    const bool separates = line.compare(0, 3, "---") == 0 && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
-    if (separates && begun) return true;
-    const std::size_t content = line.find_first_not_of(" \t\r");
-    begun = begun || separates || (content != std::string::npos && line[content] != '#' && line[content] != '%');
-  }
-  return false;
+  YAML::Parser parser(stream);
+  DocumentStart start;
+  if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
+    throw ConfigurationError(
+        {file + ": several documents, one from line " + std::to_string(start.line + 1) + " on: must be one"});
 }
 
 }  // namespace
@@ -29,8 +44,7 @@ YAML::Node load_yaml(const std::string& file, const std::string& what) {
     // yaml-cpp's own LoadFile leaks memory if reading fails midway, and never returns for an endless file.
     const std::string text = read_file(file, kMostGivenBytes);
     const YAML::Node document = YAML::Load(text);
-    if (holds_several_documents(text))
-      throw ConfigurationError({what + ": " + file + ": several documents: must be one"});
+    expect_one_document(text, what + ": " + file);
     return document;
   } catch (const UnreadableFile& error) {
     throw ConfigurationError({what + ": " + error.what()});
