@@ -7,11 +7,11 @@ platoon_packages=(
   libdiagnostic-updater-dev libdiagnostic-msgs-dev libtf2-msgs-dev
   libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev pybind11-dev python3-dev
   python3-diagnostic-msgs python3-diagnostic-updater python3-geometry-msgs python3-matplotlib python3-nav-msgs python3-numpy
-  python3-rosbag python3-rospy python3-scipy python3-std-msgs python3-std-srvs python3-yaml
+  python3-rosbag python3-rospy python3-scipy python3-std-msgs python3-std-srvs
 )
 platoon_test_packages=(
   catkin-lint chromium chromium-driver doxygen dpkg-dev file fonts-dejavu-core iproute2 libjs-mathjax munge parallel rviz slurm-wlm xvfb
-  libgtest-dev librandom123-dev librostest-dev mypy python3-mpmath python3-pandas python3-rostest python3-selenium librosbag-dev
+  libgtest-dev librandom123-dev librostest-dev mypy python3-mpmath python3-pandas python3-rostest python3-selenium python3-yaml librosbag-dev
 )
 platoon_debian=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
 # Packages that not every Debian has; without them the tests `installed` and `format` and a comparison in `rare` are skipped.

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/yaml_value.hpp"
 
 namespace platoon::python {
 
@@ -84,6 +85,34 @@ py::object object_of(const nlohmann::json& value) {
 
 py::object plain_object_of(const nlohmann::json& value) {
   return object_of(value, false);
+}
+
+py::object object_of(const YAML::Node& value, const std::string& name) {
+  if (value.IsMap()) {
+    py::dict keys;
+    for (const auto& entry : value) {
+      const std::string text = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
+      const std::string at = name + ": " + text;
+      const py::object key = py::cast(text);
+      if (keys.contains(key)) throw ConfigurationError({at + ": given twice: must be given once"});
+      keys[key] = object_of(entry.second, at);
+    }
+    return keys;
+  }
+  if (value.IsSequence()) {
+    py::list list;
+    for (const YAML::Node& element : value) list.append(object_of(element, name));
+    return list;
+  }
+  if (value.IsNull()) return py::none();
+  const std::string& text = value.Scalar();
+  if (value.Tag() == "!") return py::cast(text);  // in quotes
+  if (text == "true" || text == "True") return py::bool_(true);
+  if (text == "false" || text == "False") return py::bool_(false);
+  if (const auto integer = parsed_integer(value)) return py::int_(*integer);
+  double number;
+  if (YAML::convert<double>::decode(value, number)) return py::float_(number);
+  return py::cast(text);
 }
 
 py::dict dict_of(CsvTable table) {

@@ -2,6 +2,7 @@
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <yaml-cpp/yaml.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -36,6 +37,10 @@ py::object object_of(const nlohmann::json& value);
 
 /// A JSON value as json.loads returns it.
 py::object plain_object_of(const nlohmann::json& value);
+
+/// A YAML value: a scalar without quotes is None, True, False, an integer or a float where it can be one, else a text.
+/// Throws ConfigurationError, starting with `name`, for a key that is given twice.
+py::object object_of(const YAML::Node& value, const std::string& name);
 
 /// {name: array of float, or list of str}.
 py::dict dict_of(CsvTable table);

@@ -7,19 +7,12 @@
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
+#include "stochastic_platoon/run/configuration/yaml_file.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon::python {
 
 namespace {
-
-YAML::Node document_of(const std::string& text, const std::string& name) {
-  try {
-    return YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError({name + ": must be YAML: " + error.what()});
-  }
-}
 
 // A setting of a run is no part of a model.
 void require_model_key(const std::string& name) {
@@ -31,7 +24,7 @@ void require_model_key(const std::string& name) {
 
 // A shipped drive by its bare name, as on the command line.
 YAML::Node value_of(const std::string& name, const std::string& text) {
-  const YAML::Node value = document_of(text, name);
+  const YAML::Node value = parse_yaml(text, name);
   const bool is_drive = (name == "leader" || name == "leader/file") && value.IsScalar();
   return is_drive ? YAML::Node(shipped_file(value.Scalar(), "config/leaders")) : value;
 }
@@ -49,7 +42,7 @@ Model Model::load(const std::string& file) {
 }
 
 Model Model::parse(const std::string& text) {
-  return Model(document_of(text, "model"));
+  return Model(parse_yaml(text, "model"));
 }
 
 Model Model::replaced(const std::map<std::string, std::string>& changes) const {

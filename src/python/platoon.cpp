@@ -19,6 +19,7 @@
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/configuration/yaml_file.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis_report.hpp"
@@ -246,6 +247,7 @@ PYBIND11_MODULE(_platoon, module) {
     return dict_of(unlocked([&] { return parse_csv(read_file(file, kMostWrittenBytes), file); }));
   });
   module.def("read_json", &json_of, py::arg("file"));
+  module.def("read_yaml", [](const std::string& file) { return object_of(load_yaml(file, "tuning file"), file); });
 }
 
 }  // namespace platoon::python

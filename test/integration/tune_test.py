@@ -201,6 +201,11 @@ class Program(FolderTest):
                 ("minimise: limit_variance\nover: [controller/kp]", "over: ['controller/kp']: must be a mapping"),
                 ("model: none.yaml\nminimise: limit_variance\nover: {controller/numerator/0: [1, 2]}", "none.yaml"),
                 ("over: {controller/numerator/0: [1, 2]}", "minimise: missing"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2], controller/numerator/0: [1, 3]}", ": over: controller/numerator/0: given twice: must be given once"),
+                ("{minimise: limit_variance, over: {controller/numerator/0: [1, 2]}}\nsubject_to: {phase_margin: 50}", "several documents, one from line 2 on: must be one"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, 2]}\nsubject_to: {phase_margin: [099, 050]}", "subject_to: phase_margin: [99, 50]: must be true, false, a number"),
+                ("minimise: limit_variance\nover: {controller/numerator/0: [1, '2 m']}\nsubject_to: {1: {2: no}}", "over: controller/numerator/0: [1, '2 m']: must be [low, high]"),
+                ("minimise: limit_variance\nover: {? [1, 2] : [1, 2]}", "over: [1, 2]: [1, 2]: unknown key: allowed are allow_unstable, "),
                 ("minimise: [", "must be YAML")):
             done = self.tune(text)
             self.assertEqual(done.returncode, 1, text)

@@ -291,8 +291,7 @@ def box_of(model: Model, over: Mapping[str, Sequence[float]]) -> Dict[str, Tuple
         try:
             model.replace({key: low, "allow_unstable": True})
         except ValueError as error:
-            if "allow_unstable" not in str(error):
-                problems.append("over: {}: {}".format(key, error))
+            problems.append("over: {}: {}".format(key, error))
     if not over:
         problems.append("over: empty: must name at least one key of the model, as controller/kp: [0.1, 2.0]")
     if problems:

@@ -10,17 +10,12 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/configuration/yaml_file.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
 
 namespace platoon {
 
 namespace {
-
-YAML::Node load_document(const std::string& text) try {
-  return YAML::Load(text);
-} catch (const YAML::Exception& error) {
-  throw ConfigurationError({std::string("configuration: must be YAML or JSON: ") + error.what()});
-}
 
 void require_version(Section& document) {
   if (!document.is_mapping()) return;
@@ -125,11 +120,11 @@ Configuration parse_configuration(const YAML::Node& document) {
 }
 
 Configuration parse_configuration(const std::string& text) {
-  return parse_configuration(load_document(text));
+  return parse_configuration(parse_yaml(text, "configuration"));
 }
 
 Configuration parse_recorded_configuration(const std::string& text) {
-  YAML::Node document = load_document(text);
+  YAML::Node document = parse_yaml(text, "configuration");
   const std::string version = document.IsMap() && document["version"] ? document["version"].as<std::string>() : "0.1.0";
   if (!is_readable(version))
     throw ConfigurationError({"version: " + version + ": must be " + kFirstReadableVersion + " or " + kVersion});

@@ -26,30 +26,31 @@ public:
   void OnMapEnd() override {}
 };
 
-// Reads at most two documents, as yaml-cpp's own LoadAll does not terminate on some files. Text behind a mapping in
-// braces, which YAML::Load ignores, is a document too.
-void expect_one_document(const std::string& text, const std::string& file) {
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  DocumentStart start;
-  if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
-    throw ConfigurationError(
-        {file + ": several documents, one from line " + std::to_string(start.line + 1) + " on: must be one"});
-}
-
 }  // namespace
+
+YAML::Node parse_yaml(const std::string& text, const std::string& name) {
+  try {
+    const YAML::Node document = YAML::Load(text);
+    // YAML::Load ignores further documents, such as all text behind a mapping in braces. At most two are read here, as
+    // YAML::LoadAll does not terminate on some files.
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    DocumentStart start;
+    if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
+      throw ConfigurationError(
+          {name + ": several documents, one from line " + std::to_string(start.line + 1) + " on: must be one"});
+    return document;
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError({name + ": must be YAML: " + error.what()});
+  }
+}
 
 YAML::Node load_yaml(const std::string& file, const std::string& what) {
   try {
     // yaml-cpp's own LoadFile leaks memory if reading fails midway, and never returns for an endless file.
-    const std::string text = read_file(file, kMostGivenBytes);
-    const YAML::Node document = YAML::Load(text);
-    expect_one_document(text, what + ": " + file);
-    return document;
+    return parse_yaml(read_file(file, kMostGivenBytes), what + ": " + file);
   } catch (const UnreadableFile& error) {
     throw ConfigurationError({what + ": " + error.what()});
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError({what + ": " + file + ": must be YAML: " + error.what()});
   }
 }
 
