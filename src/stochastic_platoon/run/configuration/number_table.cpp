@@ -39,6 +39,7 @@ NumberTable::NumberTable(const std::string& file, std::int64_t skip_rows, std::v
   } catch (const UnreadableFile& error) {
     throw std::invalid_argument(printable(error.what()));
   }
+  if (text_.compare(0, 3, "\xEF\xBB\xBF") == 0) at_ = 3;  // the mark that spreadsheets put before UTF-8
   for (std::int64_t skipped = 0; skipped < skip_rows; ++skipped) next_line();
   if (!next_line()) fail("holds no row of column names");
   for (const char separator : {'\t', ';', ','}) {
@@ -87,7 +88,7 @@ double NumberTable::number(std::size_t j, double most) const {
   const std::optional<double> value = number_in(text);
   if (!value || !(std::abs(*value) <= most))
     fail_row(printable(columns_[j]) + ": " + (text.empty() ? "(empty)" : printable(shortened(text))) +
-             ": must be a finite number");
+             ": must be a finite number" + (text.find(',') == std::string::npos ? "" : " with a decimal point"));
   return *value;
 }
 

@@ -48,6 +48,11 @@ TEST_F(RecordedDriveTest, RowsMayEndWithSeparators) {
   EXPECT_EQ(positions_of(with("time,speed,lap,lap\n0,0,1,\n0.5,1,,,,\n"), 0.5), (std::vector<double>{0.0, 0.0, 0.25}));
 }
 
+TEST_F(RecordedDriveTest, MarkOfSpreadsheetsBeforeTheFirstNameDoesNotCount) {
+  EXPECT_EQ(positions_of(with("\xEF\xBB\xBFtime;speed\r\n0;0\r\n0.5;1\r\n"), 0.5),
+            (std::vector<double>{0.0, 0.0, 0.25}));
+}
+
 TEST_F(RecordedDriveTest, PositionsBeginAtTheFirst) {
   RecordedDrive drive = with("time\tx\n0\t10\n1\t12\n");
   drive.value = "x";
@@ -63,6 +68,7 @@ TEST_F(RecordedDriveTest, EveryFaultNamesItsRow) {
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5\n"), "row 3: speed: (empty): must be a finite number");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1x\n"), "row 3: speed: 1x: must be a finite number");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,0x10\n"), "row 3: speed: 0x10: must be a finite number");
+  EXPECT_EQ(problem_with("time;speed\n0;1\n0,5;1\n"), "row 3: time: 0,5: must be a finite number with a decimal point");
   EXPECT_EQ(problem_with(std::string("time,speed\n0,1\n0.5,1\0\n", 22)),
             "row 3: speed: 1\\x00: must be a finite number");
   EXPECT_EQ(problem_with("time,speed,speed\n0,1,2\n1,1,2\n"), "row 1: columns 2 and 3 are speed: must be one");
