@@ -170,14 +170,13 @@ TEST_F(ReportTest, HasTheMeasuredStandardErrorOfAnExternalVehicle) {
 TEST_F(ReportTest, HasTheMeasuredStandardErrorOfAnExternalVehicleOverTime) {
   configuration_.run.external = {2};
   make_endless();
-  RunResult result;
-  result.realizations = 1;
-  result.last_step = 20199;
+  RunResult result = result_over_time();
   result.moments = {Moments{20000, 0.1, 79.9}, Moments{20000, 0.2, 2.0 * 19999.0}};
-  result.last_steps = {20199, 20199};
   result.shares = {{0.1, 0.1, kNaN}, {0.1, 0.01, kNaN}};
   const std::string row = formatted("%8d %16s %16s %14s %9s\n", 2, "2", "0.2", "-", "-");  // 2 sqrt(2 / 199.99)
   EXPECT_TRUE(contains(report_of(result), row));
+  lose_packets({0.1, {}, {1.0}});
+  EXPECT_TRUE(contains(report_of(result), "No verdict: packets are lost, and averages over time may lack the rarest"));
 }
 
 // A run of 1000 realizations has about 40 losses, two per step: most cells have seen a few losses or none.
@@ -242,6 +241,7 @@ TEST_F(ReportTest, LabelsAveragesOverTime) {
   EXPECT_TRUE(contains(text, "time averages up to 99.9 s (step 999), behind a burn-in of 20 s (200 steps)"));
   EXPECT_FALSE(contains(text, "was begun"));
   EXPECT_FALSE(contains(text, "agrees"));
+  EXPECT_TRUE(contains(text, "No verdict yet: the averages are worth fewer than 1000 independent errors"));
   result.tally.attempts = 3;
   EXPECT_TRUE(contains(report_of(result), "was begun 3 times, each time with a burn-in and new noise"));
 }
