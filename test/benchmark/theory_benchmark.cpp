@@ -2,10 +2,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "../unit/math/paper/lemma_one.hpp"
 #include "../unit/math/radio_cars.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
-#include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"

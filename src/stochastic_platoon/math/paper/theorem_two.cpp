@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/paper/norms.hpp"
 #include "stochastic_platoon/math/paper/resolvent.hpp"
 #include "stochastic_platoon/math/paper/string_matrices.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
+#include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "unit/math/example_loops.hpp"
 
 namespace platoon {

@@ -8,7 +8,7 @@
 
 #include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/circle_polynomial.hpp"
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
+#include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "stochastic_platoon/math/response/pattern_gain.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"

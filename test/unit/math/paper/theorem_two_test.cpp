@@ -9,7 +9,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/paper/norms.hpp"
 #include "stochastic_platoon/math/paper/string_matrices.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"

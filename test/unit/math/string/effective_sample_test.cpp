@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "stochastic_platoon/math/model/state_space.hpp"
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/simulation/platoon_string.hpp"
 #include "stochastic_platoon/math/statistics/moments.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
+#include "unit/math/paper/lemma_one.hpp"
 #include "unit/paper_platoon.hpp"
 
 namespace platoon {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/example_loops.hpp"
+#include "unit/math/paper/lemma_one.hpp"
 
 namespace platoon {
 namespace {

@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/paper/lemma_one.hpp"
+#include "unit/math/paper/lemma_one.hpp"
 
 #include <Eigen/LU>
 #include <stdexcept>
@@ -12,10 +12,6 @@ namespace platoon {
 
 namespace {
 
-[[noreturn]] void reject_unstable() {
-  throw std::invalid_argument("rho(A): must be < 1 for a stationary covariance to exist");
-}
-
 Eigen::MatrixXd kronecker(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
   Eigen::MatrixXd product(left.rows() * right.rows(), left.cols() * right.cols());
   for (Eigen::Index i = 0; i < left.rows(); ++i) {
@@ -27,27 +23,6 @@ Eigen::MatrixXd kronecker(const Eigen::MatrixXd& left, const Eigen::MatrixXd& ri
 }
 
 }  // namespace
-
-InitialString initial_string(const PlatoonModel& model, std::size_t followers) {
-  if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
-  const StateSpace& vehicle = model.default_vehicle().loop.realization;
-  const double h = model.default_vehicle().headway;
-  const Eigen::Index n = vehicle.order();
-  const auto count = static_cast<Eigen::Index>(followers);
-  const Eigen::VectorXd equilibrium = unit_equilibrium(vehicle);
-  const Eigen::VectorXd left = vehicle.a() * equilibrium;
-  InitialString initial;
-  initial.response = Eigen::MatrixXd::Zero(n * count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    initial.response.block(i * n, i, n, 1) = h * equilibrium - (1.0 + h) * left;
-    if (i > 0) initial.response.block(i * n, i - 1, n, 1) = left - (1.0 + h) * vehicle.b();
-    if (i > 1) initial.response.block(i * n, i - 2, n, 1) = vehicle.b();
-  }
-  initial.mean = model.default_vehicle().initial_position.mean * initial.response.rowwise().sum();
-  initial.covariance =
-      model.default_vehicle().initial_position.variance * initial.response * initial.response.transpose();
-  return initial;
-}
 
 Eigen::MatrixXd noise_covariance(const StringMatrices& string, double noise_variance) {
   const Eigen::MatrixXd cross = string.a * string.b_a * string.b_b.transpose();
@@ -84,7 +59,7 @@ SignalMoments error_moments_by_lemma_one(const PlatoonModel& model, std::size_t 
 
 Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, double noise_variance) {
   const Eigen::Index n = string.c.cols() / string.c.rows();
-  if (!(spectral_radius(string.a.topLeftCorner(n, n)) < 1.0)) reject_unstable();
+  if (!(spectral_radius(string.a.topLeftCorner(n, n)) < 1.0)) throw std::invalid_argument("rho(A): must be < 1");
   const Eigen::MatrixXd upsilon = noise_covariance(string, noise_variance);
   const Eigen::Index size = upsilon.size();
   const Eigen::MatrixXd map = Eigen::MatrixXd::Identity(size, size) - kronecker(string.a, string.a);
@@ -92,24 +67,6 @@ Eigen::MatrixXd stationary_covariance_by_vec(const StringMatrices& string, doubl
   const Eigen::VectorXd solution = map.partialPivLu().solve(vec);
   const Eigen::VectorXd errors = kronecker(string.c, string.c) * solution;
   return Eigen::Map<const Eigen::MatrixXd>(errors.data(), string.c.rows(), string.c.rows());
-}
-
-Eigen::MatrixXd solve_discrete_lyapunov(const Eigen::MatrixXd& a, const Eigen::MatrixXd& q) {
-  if (a.rows() != a.cols() || q.rows() != a.rows() || q.cols() != a.cols()) {
-    throw std::invalid_argument("A: " + std::to_string(a.rows()) + " x " + std::to_string(a.cols()) +
-                                ", Q: " + std::to_string(q.rows()) + " x " + std::to_string(q.cols()) +
-                                ": must be square and of the same size");
-  }
-  Eigen::MatrixXd power = a;
-  Eigen::MatrixXd sum = q;
-  for (int doubling = 0; doubling < 64; ++doubling) {
-    const Eigen::MatrixXd more = power * sum * power.transpose();
-    sum += more;
-    if (!sum.allFinite()) break;
-    if (more.cwiseAbs().maxCoeff() <= 1e-18 * sum.cwiseAbs().maxCoeff()) return sum;
-    power = (power * power).eval();
-  }
-  reject_unstable();  // not decided by eigenvalues: those of a long string's A are ill-conditioned
 }
 
 Eigen::MatrixXd stationary_covariance_by_lyapunov(const StringMatrices& string, double noise_variance) {
