@@ -234,11 +234,12 @@ class Recordings(ModuleTest):
         recording = sp.Recording(self.SMALL)
         run = recording.configuration.run
         with rosbag.Bag(self.SMALL) as bag:
-            for vehicle in (0, 1):
-                positions = recording.positions(vehicle=vehicle)
+            for read, vehicle, topic in ((recording.positions, 0, "position"), (recording.positions, 1, "position"),
+                                         (recording.predecessor_positions, 1, "predecessor_position")):
+                positions = read(vehicle=vehicle)
                 self.assertEqual(positions.shape, (run["realizations"], run["steps"] + 1))
                 self.assertTrue(np.isfinite(positions).all())
-                for _, message, _ in bag.read_messages(["/platoon/vehicle_{}/position".format(vehicle)]):
+                for _, message, _ in bag.read_messages(["/platoon/vehicle_{}/{}".format(vehicle, topic)]):
                     rows = slice(message.first_realization, message.first_realization + len(message.position))
                     np.testing.assert_array_equal(positions[rows, message.step + 1], message.position)
 
@@ -251,7 +252,8 @@ class Recordings(ModuleTest):
         recording = sp.Recording(self.SMALL)
         self.assertRaisesText(FileNotFoundError, "none.bag: no such file", sp.Recording, self.path("none.bag"))
         self.assertRaises(IndexError, recording.positions, 1000)
-        self.assertRaises(IndexError, recording.inputs, 1)
+        for read, vehicle in ((recording.inputs, 1), (recording.predecessor_inputs, 1), (recording.predecessor_positions, 0)):
+            self.assertRaises(IndexError, read, vehicle)
         with open(self.SMALL, "rb") as file:
             content = file.read()
         with open(self.path("cut.bag"), "wb") as file:

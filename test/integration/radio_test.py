@@ -6,8 +6,10 @@ import json
 import subprocess
 import unittest
 
+import numpy as np
 import rosbag
 import rosgraph
+import stochastic_platoon as sp
 import yaml
 
 import live_platoon
@@ -43,6 +45,11 @@ class Radio(LaunchTest):
             for topic in ("/platoon/vehicle_{}/input".format(i), "/platoon/vehicle_{}/predecessor_input".format(i + 1)):
                 self.assertEqual(counts[topic], BATCHES * (STEPS + 1), topic)
         self.assertNotIn("/platoon/vehicle_{}/input".format(FOLLOWERS), counts, "nobody hears the last vehicle")
+        recording = sp.Recording(bag)
+        np.testing.assert_array_equal(recording.predecessor_inputs(2), recording.received(2, 1))
+        # Of the delay of 2 steps, v_i(k) = u_i(k - 1) has one.
+        noise = recording.predecessor_inputs(2)[:, 2:] - recording.inputs(1)[:, 1:-1]
+        self.assertLess(abs(noise.var() / cacc()["inputs"][1]["noise_variance"] - 1), 5 * (2 / noise.size) ** 0.5)
         self.assert_statistics_of(bag, measured)
         self.assert_replayed_run(bag, measured)
         self.assert_replays(bag, BATCHES * (STEPS + 1), "vehicle_1", "vehicle_3")
