@@ -4,6 +4,7 @@ survives a restart of its node."""
 
 import json
 import os
+import subprocess
 import sys
 import threading
 import unittest
@@ -53,7 +54,7 @@ FIRST, LAST = [0x08, 0x20, 0x5c], [0x5c, 0x04, 0x10]  # dark blue, dark red
 
 
 class Live(OnePlatoon):
-    RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, headway=3.2, dashboard=True)
+    RUN = dict(followers=FOLLOWERS, steps=0, realizations=1, rate=50, headway=3.2, dashboard=True, dashboard_host="127.0.0.1")
 
     @classmethod
     def setUpClass(cls):
@@ -169,6 +170,18 @@ class Live(OnePlatoon):
             self.assertLess(heap_after(64800, 10 ** 6 + 7200) - filled, 3000000)
         finally:
             self.open("about:blank")
+
+    def test_it_is_served_on_the_given_host(self):
+        self.assertTrue(self.url.startswith("http://127.0.0.1:"), self.url)
+
+    def test_watch_once_prints_one_table_of_a_run_that_goes_on(self):
+        lines = subprocess.run(["rosrun", "stochastic_platoon", "watch", "--once"], stdout=subprocess.PIPE, universal_newlines=True,
+                               timeout=live_platoon.DEADLINE, check=True).stdout.splitlines()
+        heading = [row for row, line in enumerate(lines) if line.split()[:2] == ["follower", "mean"]]
+        self.assertEqual(len(heading), 1, lines)
+        rows = [line.split() for line in lines[heading[0] + 1:] if line.strip()]
+        self.assertEqual([row[0] for row in rows], [str(i) for i in range(1, FOLLOWERS + 1)])
+        self.assertTrue(all(float(row[2]) > 0.0 for row in rows), rows)
 
     def test_the_start_is_read_from_the_master(self):
         fresh = PlatoonState()

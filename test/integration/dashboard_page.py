@@ -13,7 +13,7 @@ from terminal import LaunchTest, Terminal, kept_master
 
 def address(terminal):
     terminal.wait_for_text("Dashboard: http://")
-    return re.search(r"Dashboard: (http://localhost:(\d+))", terminal.text()).group(1)
+    return re.search(r"Dashboard: (http://(localhost|127.0.0.1):(\d+))", terminal.text()).group(1)
 
 
 def ask(url, method="GET", path="/state.json", body=None, **headers):
