@@ -2,10 +2,13 @@
 """Vehicles that hear any vehicles ahead: the live graph equals monte_carlo to the bit in every hosting, agrees with the theory, is
 recorded and replayed whole, and an external vehicle hears the same inputs."""
 
+import collections
+import csv
 import json
 import os
 import unittest
 
+import numpy as np
 import rosbag
 import stochastic_platoon as sp
 import yaml
@@ -84,7 +87,23 @@ class Inputs(ExternalTest):
             recording.received(4, 5)
 
     def test_of_unlike_cars_that_lose_packets_in_one_process(self):
-        self.check(self.write("model.yaml", json.dumps(mixed())), hosting="one_process")
+        bag, _ = self.check(self.write("model.yaml", json.dumps(mixed())), hosting="one_process")
+        self.check_ages(bag)
+
+    def check_ages(self, bag):
+        """ages.csv counts the losses of each input in the recording: noise makes every arrival another value."""
+        recording, counted = sp.Recording(bag), collections.Counter()
+        for i, n in ((i, n) for i in range(1, FOLLOWERS + 1) if i % 4 != 3 for n in (3, 4)):
+            received = recording.received(i, n)[:, :STEPS]
+            age = np.zeros(REALIZATIONS, dtype=int)
+            for before, now in zip(received.T, received.T[1:]):
+                age = np.where(now == before, age + 1, 0)
+                counted.update((i, n, value) for value in age)
+        with open(os.path.join(self.output, "ages.csv")) as file:
+            ages = list(csv.DictReader(file))
+        self.assertEqual({(int(row["vehicle"]), int(row["input"]), int(row["age"])): int(row["count"]) for row in ages if row["count"] != "0"},
+                         counted)
+        self.assertEqual({(row["input"], row["signal"]) for row in ages}, {("3", "speed"), ("4", "acceleration")})
 
     def test_of_unlike_cars_that_lose_packets_from_processes_and_an_external_vehicle(self):
         model = self.write("model.yaml", json.dumps(mixed()))

@@ -36,6 +36,7 @@ class Simulation(ModuleTest):
             self.assertEqual(results.amplification.measured["l2_ratio"].shape, (5,))
             self.assertEqual("ages" in results.summary["crc32"], name == "lossy.yaml")
         self.assertEqual(set(results.ages.signal), {"position"})
+        self.assertEqual(set(results.ages.input), {0.0})
 
     def test_the_variance_agrees_with_the_theory(self):
         results = sp.monte_carlo(sp.Model.load(), followers=3, steps=20, realizations=20000, seed=11)

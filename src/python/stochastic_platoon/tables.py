@@ -159,16 +159,18 @@ class Amplification:
 
 @dataclass(frozen=True)
 class Ages:
-    """Steps since the last message that a link delivered: a row per follower, signal and age."""
+    """Steps since the last message that a link delivered: a row per follower, input and age."""
 
     vehicle: NDArray[np.float64]
-    signal: List[str]  #: "position" or "input"
+    signal: List[str]  #: of the input, as "position"
     age: NDArray[np.float64]  #: [steps]
     count: NDArray[np.float64]  #: messages
     share: NDArray[np.float64]  #: of the messages of this link
     theoretical_share: NDArray[np.float64]  #: NaN for a recorded trace
+    input: NDArray[np.float64]  #: its number n, from 0 in the order of `inputs`; NaN in results of earlier versions
 
     @classmethod
     def _of(cls, table: Table) -> Ages:
-        return cls(table.numbers("vehicle"), table.texts("signal"),
-                   *(table.numbers(name) for name in ("age", "count", "share", "theoretical_share")))
+        numbers = [table.numbers(name) for name in ("vehicle", "age", "count", "share", "theoretical_share")]
+        numbers.append(table.numbers("input") if "input" in table.columns else np.full(len(numbers[0]), np.nan))
+        return cls(numbers[0], table.texts("signal"), *numbers[1:])

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/report/age_analysis.hpp"
 
+#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/math/channel/information_age.hpp"
@@ -37,11 +38,14 @@ std::string age_report(const PlatoonModel& model) {
 
 nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {
   if (!loses(model)) return nullptr;
-  nlohmann::json ages = {{"position", nlohmann::json::array()}};
+  nlohmann::json ages = {{"position", nlohmann::json::array()}, {"inputs", nlohmann::json::array()}};
   if (has_radios(model)) ages["input"] = nlohmann::json::array();
   for (std::size_t i = 1; i <= followers; ++i) {
     const VehicleModel& of = vehicle(model, i);
     ages["position"].push_back(probabilities_of(of.position().link));
+    nlohmann::json own = nlohmann::json::array();
+    for (const Input& input : of.inputs) own.push_back(probabilities_of(input.link));
+    ages["inputs"].push_back(std::move(own));
     if (!ages.contains("input")) continue;
     ages["input"].push_back(of.radio() != nullptr ? probabilities_of(of.radio()->link) : nlohmann::json());
   }

@@ -11,8 +11,9 @@ namespace platoon {
 /// exceeds. Empty if no link has random losses.
 std::string age_report(const PlatoonModel& model);
 
-/// age_probabilities() by signal ("position", "input"), each a list over followers: [1] without losses, null where the
-/// theory has no distribution. Null if no link of the string loses messages.
+/// age_probabilities() as lists over followers: of every input ("inputs", a list over n), of the first "position" and,
+/// in strings with radios, of the predecessor's "input". [1] without losses, null where the theory has no distribution.
+/// Null if no link of the string loses messages.
 nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers);
 
 }  // namespace platoon

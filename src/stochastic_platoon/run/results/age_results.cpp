@@ -17,20 +17,22 @@ namespace {
 constexpr std::uint64_t kMostMessages = 10'000'000;
 
 struct LosingLink {
-  std::size_t vehicle;
+  std::size_t vehicle, input;
   std::string signal;
-  std::uint32_t receiver;
   const LossModel* loss;
+  std::uint32_t stream;  ///< of its losses
 };
 
 std::vector<LosingLink> losing_links(const PlatoonModel& model, std::size_t followers) {
   std::vector<LosingLink> links;
   for (std::size_t i = 1; i <= followers; ++i) {
-    std::uint32_t n = 0;
-    for (const Input& input : vehicle(model, i).inputs) {
-      const std::uint32_t stream = input_stream(static_cast<std::uint32_t>(i), n++);
-      if (input.link.loses() && !input.link.loss->by_distance)
-        links.push_back({i, name_of(input.signal), stream, &*input.link.loss});
+    const VehicleModel& own = vehicle(model, i);
+    for (std::size_t n = 0; n < own.inputs.size(); ++n) {
+      const Input& input = own.inputs[n];
+      if (!input.link.loses() || input.link.loss->by_distance) continue;
+      const auto lost_with = static_cast<std::uint32_t>(own.losses_of(n));
+      links.push_back(
+          {i, n, name_of(input.signal), &*input.link.loss, input_stream(static_cast<std::uint32_t>(i), lost_with)});
     }
   }
   return links;
@@ -47,15 +49,15 @@ std::string ages_csv(const Configuration& configuration, const RunResult& result
   const std::int64_t steps = std::min(all_steps, static_cast<std::int64_t>(of_a_link));
   const std::uint64_t realizations =
       std::clamp<std::uint64_t>(of_a_link / static_cast<std::uint64_t>(steps), 1, result.realizations);
-  CsvText csv("vehicle,signal,age,count,share,theoretical_share");
+  CsvText csv("vehicle,signal,age,count,share,theoretical_share,input");
   csv.end_row();
   for (const LosingLink& link : links) {
-    const std::vector<std::uint64_t> counts = count_ages(*link.loss, run.seed, link.receiver, realizations, steps);
+    const std::vector<std::uint64_t> counts = count_ages(*link.loss, run.seed, link.stream, realizations, steps);
     const auto all = static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
     for (std::size_t n = 0; n < counts.size(); ++n) {
       std::optional<double> expected;
       if (!link.loss->trace) expected = expected_age_share(*link.loss, static_cast<std::int64_t>(n), steps);
-      csv.add(link.vehicle, link.signal, n, counts[n], static_cast<double>(counts[n]) / all, expected);
+      csv.add(link.vehicle, link.signal, n, counts[n], static_cast<double>(counts[n]) / all, expected, link.input);
       csv.end_row();
     }
   }
