@@ -4,6 +4,7 @@
 import csv
 import io
 import json
+import math
 import os
 import tempfile
 import unittest
@@ -163,6 +164,37 @@ class LinearMap(unittest.TestCase):
         np.testing.assert_array_equal(found.string_stable, linear.string_stable)
         np.testing.assert_array_equal(found.peak_gain, linear.peak_gain)
         self.assertEqual(set(found.string_stable.ravel()), {0.0, 1.0})
+
+
+class LinearTheory(FolderTest):
+    def test_analysis_and_summary_have_the_theory_of_the_same_cars_without_limits(self):
+        acc = sp.Model.load("acc_limits.yaml").replace({"noise_variance": 0.04, "limits/input": [-0.12, 0.1]})
+        heard = sp.Model.load("leader_and_predecessor.yaml").replace({"limits/input": [-12.0, 10.0], "start": "steady"})
+        lossy = acc.replace({"channel/loss/probability": 0.1})
+        for number, (limited, is_normal) in enumerate(((acc, True), (heard, True), (lossy, False))):
+            document = dict(limited.to_dict(), start="steady")
+            low, high = document.pop("limits")["input"]
+            run = dict(followers=3, steps=60)
+            found = dict(sp.analyze(limited, **run)["linear"])
+            same = sp.analyze(sp.Model.from_dict(document), signals=["input"], **run)
+            beyond = found.pop("probability_beyond_input_limits")
+            for key, value in found.items():
+                np.testing.assert_equal(value, same[key], key)
+            summary = sp.monte_carlo(limited, realizations=10, output=self.path(str(number)), **run).summary["linear"]
+            for key in ("string_stable", "limit_variance", "spectral_radius"):
+                self.assertEqual(summary[key], same[key])
+            np.testing.assert_array_equal(summary["stationary_variance"], same["stationary_variance"])
+            if not is_normal:
+                self.assertEqual((beyond, summary["probability_beyond_input_limits"]), (None, None))
+                continue
+            scale = np.sqrt(2.0 * same["signals"]["input"]["variance"])
+            mean = same["signals"]["input"]["mean"]
+            erfc = np.vectorize(math.erfc)
+            with np.errstate(divide="ignore"):
+                expected = 0.5 * (erfc((mean - low) / scale) + erfc((high - mean) / scale))
+            self.assertGreater(expected.max(), 1e-4)
+            np.testing.assert_allclose(beyond, expected, rtol=1e-9, atol=1e-300)
+            np.testing.assert_allclose(summary["probability_beyond_input_limits"], beyond.max(axis=1), rtol=1e-15)
 
 
 class ShippedExamples(unittest.TestCase):
