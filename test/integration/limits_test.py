@@ -73,6 +73,22 @@ class Limits(Model, FolderTest):
             rows = list(csv.DictReader(file))
         return lambda key: np.array([float(row[key] or "nan") for row in rows]).reshape(settings["followers"] + 1, -1)
 
+    def test_the_table_of_limits_has_the_shares_of_steps_at_them(self):
+        car = dict(CAR, gain=1.0, limits={"input": [-4.5, 0.2], "speed": [0.0, 22.2]})
+        self.model(car, noise=0.01)
+        settings = dict(model=self.path("model.yaml"), followers=6, steps=600, realizations=3)
+        done = live_platoon.tool("monte_carlo", output=self.path("all"), **settings)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        tables = [self.trajectories(realizations=3, only=realization) for realization in range(3)]
+        inputs, speeds = (np.concatenate([table(name)[1:, 1:] for table in tables], axis=1) for name in ("input", "speed"))
+        (low, high), (slowest, fastest) = car["limits"]["input"], car["limits"]["speed"]
+        shares = np.array([inputs == low, inputs == high, speeds <= slowest + 1e-6, speeds >= fastest - 1e-6]).mean(axis=2).T
+        self.assertTrue((shares.max(axis=0) > 0.001).all(), shares)
+        with open(os.path.join(self.path("all"), "limits.csv")) as file:
+            rows = list(csv.DictReader(file))
+        found = [[float(row[name]) for name in ("input_low", "input_high", "speed_low", "speed_high")] for row in rows]
+        np.testing.assert_allclose(found, shares, rtol=1e-12)
+
     def compare(self, car, table, noisy):
         position = table("position")
         times, speeds = emergency_stop()
