@@ -114,15 +114,15 @@ double expected_age_share(const LossModel& loss, std::int64_t n, std::int64_t st
 }
 
 // Sends the number of each step over a link that holds: the received value is the step of the latest arrival.
-std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver,
-                                      std::uint64_t realizations, std::int64_t steps) {
+std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed, std::uint32_t stream,
+                                      std::uint64_t realizations, std::int64_t steps, std::uint64_t first) {
   if (loss.by_distance) throw std::invalid_argument("ages of a link: losses by the distance depend on the run");
   LossModel holding = loss;
   holding.predictor = {1.0};
-  const std::unique_ptr<LinkStage> link = packet_loss(holding, seed, receiver);
+  const std::unique_ptr<LinkStage> link = packet_loss(holding, seed, stream);
   std::vector<std::uint64_t> counts(1);
-  for (std::uint64_t first = 0; first < realizations; first += kTile) {
-    const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(kTile, realizations - first));
+  for (const std::uint64_t end = first + realizations; first < end; first += kTile) {
+    const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(kTile, end - first));
     std::vector<double> latest(size, -1.0);
     link->start(first, size, latest.data(), 0.0);
     for (std::int64_t k = 0; k < steps; ++k) {

@@ -25,9 +25,10 @@ double age_exceeded_with(const LossModel& loss, double rest);
 /// \f[ [(K - n) P(n) + q b^{n-1}] / K, \qquad 1 \le n \le K. \f]
 double expected_age_share(const LossModel& loss, std::int64_t n, std::int64_t steps);
 
-/// Numbers of steps with age 0, 1, ... among steps 0 .. steps - 1 of realizations 0 .. realizations - 1, from the draws
-/// of this receiver's link. Throws std::invalid_argument for losses by the distance, which depend on the run.
-std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed, std::uint32_t receiver,
-                                      std::uint64_t realizations, std::int64_t steps);
+/// Numbers of steps with age 0, 1, ... among steps 0 .. steps - 1 of `realizations` realizations from `first` on, from
+/// the draws of the link with this random stream (see input_stream()). Throws std::invalid_argument for losses by the
+/// distance, which depend on the run.
+std::vector<std::uint64_t> count_ages(const LossModel& loss, std::uint64_t seed, std::uint32_t stream,
+                                      std::uint64_t realizations, std::int64_t steps, std::uint64_t first = 0);
 
 }  // namespace platoon

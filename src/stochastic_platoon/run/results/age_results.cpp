@@ -43,16 +43,19 @@ std::vector<LosingLink> losing_links(const PlatoonModel& model, std::size_t foll
 std::string ages_csv(const Configuration& configuration, const RunResult& result) {
   const RunOptions& run = configuration.run;
   const std::vector<LosingLink> links = losing_links(configuration.model, run.followers);
-  const std::int64_t all_steps = (run.steps == 0 ? result.last_step + 1 : run.steps) - 1;
+  const bool endless = run.averaging() == Averaging::over_time;
+  const std::int64_t all_steps = (endless ? result.last_step + 1 : run.steps) - 1;
   if (links.empty() || all_steps < 1 || result.realizations == 0) return "";
   const std::uint64_t of_a_link = std::max<std::uint64_t>(kMostMessages / links.size(), 1);
   const std::int64_t steps = std::min(all_steps, static_cast<std::int64_t>(of_a_link));
   const std::uint64_t realizations =
       std::clamp<std::uint64_t>(of_a_link / static_cast<std::uint64_t>(steps), 1, result.realizations);
+  // Each attempt of an endless run is a realization of its own.
+  const std::uint64_t first = endless ? std::max<std::uint64_t>(result.tally.attempts, 1) - 1 : 0;
   CsvText csv("vehicle,signal,age,count,share,theoretical_share,input");
   csv.end_row();
   for (const LosingLink& link : links) {
-    const std::vector<std::uint64_t> counts = count_ages(*link.loss, run.seed, link.stream, realizations, steps);
+    const std::vector<std::uint64_t> counts = count_ages(*link.loss, run.seed, link.stream, realizations, steps, first);
     const auto all = static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
     for (std::size_t n = 0; n < counts.size(); ++n) {
       std::optional<double> expected;

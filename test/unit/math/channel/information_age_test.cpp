@@ -86,6 +86,16 @@ TEST(InformationAge, HasTheSharesOfItsDraws) {
   }
 }
 
+TEST(InformationAge, IsCountedInRealizationsFromAnyOneOn) {
+  const LossModel loss = losses(0.3, 2.0);
+  std::vector<std::uint64_t> counts = count_ages(loss, 5, 2, 3, 400), later = count_ages(loss, 5, 2, 2, 400, 1);
+  const std::vector<std::uint64_t> first = count_ages(loss, 5, 2, 1, 400);
+  later.resize(counts.size());
+  for (std::size_t n = 0; n < first.size(); ++n) later[n] += first[n];
+  EXPECT_EQ(later, counts);
+  EXPECT_NE(count_ages(loss, 5, 2, 1, 400, 1), first);
+}
+
 TEST(InformationAge, FollowsATraceAndRejectsLossesByDistance) {
   LossModel loss;
   loss.trace = std::make_shared<LossTrace>(LossTrace::of_runs("2 1 1 3"));
