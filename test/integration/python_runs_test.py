@@ -147,6 +147,16 @@ class Simulation(ModuleTest):
         self.assertRaisesText(KeyError, "colour: must be one of position", lambda: computed["colour"])
         self.assertRaisesText(ValueError, "only: 3000: must be below", sp.trajectories, sp.Model.load(), 3000, **self.SETTINGS)
 
+    def test_a_realization_has_every_input_of_a_vehicle(self):
+        program("monte_carlo", "--trajectories", only=17, output=self.path("one"), model="path_cacc.yaml", **self.SETTINGS)
+        model = sp.Model.load("path_cacc.yaml")
+        loaded, computed = sp.Trajectories.load(self.path("one")), sp.trajectories(model, 17, **self.SETTINGS)
+        for quantity in (*sp.Trajectories.QUANTITIES, "received_1", "received_2", "received_3", "received_4"):
+            np.testing.assert_array_equal(computed[quantity], loaded[quantity])
+        speed = np.diff(loaded["position"][0]) / model.sample_period
+        noise = computed.between(0, 28)["received_4"][1:] - speed[:-1]
+        self.assertLess(abs(noise.var() / 0.04 - 1.0), 5.0 * (2.0 / noise.size) ** 0.5)
+
     def test_bad_settings_raise_with_the_texts_of_the_tools(self):
         model = sp.Model.load()
         self.assertRaisesText(ValueError, "realizations: 0: must be", sp.monte_carlo, model, realizations=0)

@@ -129,7 +129,8 @@ class Trajectories:
         ValueError if it is not such a file."""
         file = os.path.join(path, "trajectories.csv") if os.path.isdir(path) else os.fspath(path)
         grid = Grid(Table.load(file), 0)
-        return cls(grid.steps, grid.numbers("seconds")[0], {name: grid.numbers(name) for name in cls.QUANTITIES}, file,
+        names = [*cls.QUANTITIES, *(name for name in grid.table.columns if name.startswith("received_") and name not in cls.QUANTITIES)]
+        return cls(grid.steps, grid.numbers("seconds")[0], {name: grid.numbers(name) for name in names}, file,
                    os.path.basename(os.path.dirname(os.path.abspath(file))))
 
     def between(self, first: float, last: float) -> Trajectories:
@@ -142,9 +143,10 @@ class Trajectories:
                             {name: values[:, chosen] for name, values in self._quantities.items()}, self.path, self.name)
 
     def __getitem__(self, quantity: str) -> NDArray[np.float64]:
-        """A quantity, as "gap" [m]. Raises KeyError."""
-        if quantity not in self.QUANTITIES:
-            raise KeyError("{}: must be one of {}".format(quantity, ", ".join(self.QUANTITIES)))
+        """A quantity, as "gap" [m], or "received_2", the input 2 of vehicles that hear others than their predecessor. Raises
+        KeyError."""
+        if quantity not in self._quantities:
+            raise KeyError("{}: must be one of {}".format(quantity, ", ".join(self._quantities)))
         return self._quantities[quantity]
 
 
