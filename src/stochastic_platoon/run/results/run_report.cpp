@@ -85,11 +85,16 @@ std::string no_verdict(std::uint64_t realizations, double needed) {
                                 : "no number is enough, as a fourth moment leaves the range of double\n");
 }
 
-std::string no_verdict_over_time(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
+std::string no_verdict_over_time(const Configuration& configuration, const Prediction& prediction,
+                                 const RunResult& result) {
   if (!prediction.has_theory() || !prediction.warning.empty() || result.moments.empty()) return "";
+  const RunOptions& run = configuration.run;
   for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1)) {
-    if (of.follower <= prediction.followers_with_theory && std::isnan(of.share.expected))
-      return "No verdict: packets are lost, and averages over time may lack the rarest losses; monte_carlo compares such a string with its theory\n";
+    if (of.follower > prediction.followers_with_theory || !std::isnan(of.share.expected)) continue;
+    return std::string("No verdict: ") +
+           (loses(configuration.model) ? "packets are lost, and averages over time may lack the rarest losses"
+                                       : "the standard errors are measured, by batch means of the run") +
+           "; monte_carlo compares such a string with its theory\n";
   }
   return "No verdict yet: the averages are worth fewer than 1000 independent errors\n";
 }
@@ -112,7 +117,8 @@ std::string report(const Configuration& configuration, const Prediction& predict
   }
   const std::optional<double> needed = realizations_needed(run, prediction, result);
   if (!found && needed) text += no_verdict(result.realizations, *needed);
-  if (!found && run.averaging() == Averaging::over_time) text += no_verdict_over_time(run, prediction, result);
+  if (!found && run.averaging() == Averaging::over_time)
+    text += no_verdict_over_time(configuration, prediction, result);
   text += signals_report(configuration, prediction, result);
   text += warning_lines(run_warnings(configuration, prediction, result));
   if (!prediction.warning.empty()) text += "Warning: " + prediction.warning + ".\n";

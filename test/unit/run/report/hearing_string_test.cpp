@@ -6,14 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/math/string/stationary_theory.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/results/run_report.hpp"
 #include "unit/messages.hpp"
 #include "unit/run/report/hearing_models.hpp"
+#include "unit/run/results/result_with.hpp"
 
 namespace platoon {
 namespace {
@@ -29,6 +33,23 @@ TEST(HearingString, HasTheVariancesOfTheWholeStringsLyapunovEquation) {
   expect_variances(kPath, 6, {1, 2, 6}, {0.03540309, 0.03782432, 0.04211542});
   expect_variances(kTwoAhead, 6, {1, 2, 6}, {0.00148782, 0.00153969, 0.00151800});
   expect_variances(kLeaderShare, 6, {1, 2, 6}, {0.00069842, 0.00085414, 0.00094506});
+}
+
+// Their correlation has no theory, with or without losses.
+TEST(HearingString, HasNoVerdictOverTimeAsItsStandardErrorsAreMeasured) {
+  Configuration configuration = paper_run("");
+  configuration.model = hearing_model(kPath);
+  configuration.run.followers = 2;
+  configuration.run.steps = 0;
+  configuration.run.burn_in = *settling_steps(configuration.model, 2);
+  RunResult result = result_over_time();
+  result.shares = {{0.1, 0.1, kNaN}, {0.1, 0.1, kNaN}};
+  const auto says = [&](const std::string& reason) {
+    return contains(report(configuration, predict(configuration), result), "No verdict: " + reason);
+  };
+  EXPECT_TRUE(says("the standard errors are measured, by batch means of the run; monte_carlo compares"));
+  configuration.model.default_vehicle().inputs[1].link.loss = LossModel{0.1};
+  EXPECT_TRUE(says("packets are lost, and averages over time may lack the rarest losses; monte_carlo compares"));
 }
 
 TEST(HearingString, LosesTheInputsOfAPacketTogether) {
