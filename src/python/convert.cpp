@@ -107,8 +107,7 @@ py::object object_of(const YAML::Node& value, const std::string& name) {
   if (value.IsNull()) return py::none();
   const std::string& text = value.Scalar();
   if (value.Tag() == "!") return py::cast(text);  // in quotes
-  if (text == "true" || text == "True") return py::bool_(true);
-  if (text == "false" || text == "False") return py::bool_(false);
+  if (const auto boolean = parsed_boolean(value)) return py::bool_(*boolean);
   if (const auto integer = parsed_integer(value)) return py::int_(*integer);
   double number;
   if (YAML::convert<double>::decode(value, number)) return py::float_(number);

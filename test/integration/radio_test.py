@@ -47,7 +47,7 @@ class Radio(LaunchTest):
         self.assertNotIn("/platoon/vehicle_{}/input".format(FOLLOWERS), counts, "nobody hears the last vehicle")
         recording = sp.Recording(bag)
         np.testing.assert_array_equal(recording.predecessor_inputs(2), recording.received(2, 1))
-        # Of the delay of 2 steps, v_i(k) = u_i(k - 1) has one.
+        # The radio delays u_i by 2 steps. The value that the vehicle publishes, v_i(k) = u_i(k - 1), includes the first of them.
         noise = recording.predecessor_inputs(2)[:, 2:] - recording.inputs(1)[:, 1:-1]
         self.assertLess(abs(noise.var() / cacc()["inputs"][1]["noise_variance"] - 1), 5 * (2 / noise.size) ** 0.5)
         self.assert_statistics_of(bag, measured)

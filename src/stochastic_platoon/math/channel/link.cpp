@@ -28,15 +28,18 @@ std::vector<std::unique_ptr<LinkStage>> stages_of(const Input& input, const Whit
 
 }  // namespace
 
+std::uint32_t loss_stream(const PlatoonModel& model, std::uint32_t receiver, std::uint32_t input) {
+  return input_stream(receiver, static_cast<std::uint32_t>(vehicle(model, receiver).losses_of(input)));
+}
+
 Link::Link(const PlatoonModel& model, const WhiteNoise& noise, std::uint32_t receiver, std::uint32_t input)
     : noise_(vehicle(model, receiver).inputs.at(input).noise_variance, noise, input_stream(receiver, input)),
       length_(vehicle(model, receiver - 1).length) {
   const Input& own = vehicle(model, receiver).inputs[input];
   if (own.delay() < 0) throw std::invalid_argument("delay of a radio: 0: must be >= 1");
   if (own.signal == InputSignal::position) slope_ = start_slope(model);
-  const auto lost_with = static_cast<std::uint32_t>(vehicle(model, receiver).losses_of(input));
   if (!own.link.is_white_noise_only())
-    take(stages_of(own, noise, input_stream(receiver, input), input_stream(receiver, lost_with)));
+    take(stages_of(own, noise, input_stream(receiver, input), loss_stream(model, receiver, input)));
 }
 
 Link::Link(std::vector<std::unique_ptr<LinkStage>> stages) : noise_(0.0, 0, 1) {

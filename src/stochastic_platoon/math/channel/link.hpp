@@ -23,6 +23,9 @@ constexpr std::uint32_t input_of_stream(std::uint32_t stream) {
   return (stream >> 23 & 1u) | (stream >> 28) << 1;
 }
 
+/// The stream by which the link of input n into a vehicle loses: that of the first input of its packet.
+std::uint32_t loss_stream(const PlatoonModel& model, std::uint32_t receiver, std::uint32_t input);
+
 /// The positions of both ends of a link one step earlier, per realization [m].
 struct LinkEnds {
   const double* predecessor = nullptr;  ///< y_{i-1}(k-1)

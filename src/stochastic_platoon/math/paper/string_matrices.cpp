@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+
 namespace platoon {
 
 StringMatrices string_matrices(const StateSpace& vehicle, double headway, std::size_t followers) {

@@ -3,10 +3,11 @@
 #include <Eigen/Dense>
 #include <cstddef>
 
-#include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/model/state_space.hpp"
 
 namespace platoon {
+
+struct PlatoonModel;
 
 /// The whole string in the states xi_i(k) = x_{i-1}(k) - x_i(k) - h [x_i(k) - x_i(k-1)], paper eq. (ss_sys_all):
 /// \f[ \xi(k+1) = A \xi(k) + B_o \zeta_0(k) + B_a d(k) + B_b d(k-1), \qquad \zeta(k) = C \xi(k). \f]

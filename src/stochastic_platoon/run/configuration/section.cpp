@@ -87,10 +87,9 @@ std::int64_t Section::integer(const std::string& key, std::int64_t least, std::i
 bool Section::boolean(const std::string& key) {
   const YAML::Node node = require(key, "true or false");
   if (node.IsNull()) return false;
-  const std::string text = node.IsScalar() ? node.Scalar() : "";
-  if (text == "true" || text == "True") return true;
-  if (text != "false" && text != "False") reject(key, shown(node), "true or false");
-  return false;
+  const std::optional<bool> value = parsed_boolean(node);
+  if (!value) reject(key, shown(node), "true or false");
+  return value.value_or(false);
 }
 
 std::string Section::text(const std::string& key) {

@@ -37,6 +37,12 @@ std::string shown(const YAML::Node& node) {
   return on_one_line(shortened(whole_text(node)));
 }
 
+std::optional<bool> parsed_boolean(const YAML::Node& node) {
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (text == "true" || text == "True") return true;
+  return text == "false" || text == "False" ? std::optional(false) : std::nullopt;
+}
+
 std::optional<double> parsed_number(const YAML::Node& node) {
   if (!node.IsScalar()) return std::nullopt;
   const std::optional<double> value = number_in(boost::algorithm::trim_copy(node.Scalar()));

@@ -12,6 +12,9 @@ namespace platoon {
 /// The node as text on one line that a terminal may show, shortened.
 std::string shown(const YAML::Node& node);
 
+/// true, True, false or False. None for any other text.
+std::optional<bool> parsed_boolean(const YAML::Node& node);
+
 /// The whole text as a finite number; spaces around it do not count. None for any other text.
 std::optional<double> parsed_number(const YAML::Node& node);
 

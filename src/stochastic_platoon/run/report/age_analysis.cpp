@@ -42,12 +42,11 @@ nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {
   if (has_radios(model)) ages["input"] = nlohmann::json::array();
   for (std::size_t i = 1; i <= followers; ++i) {
     const VehicleModel& of = vehicle(model, i);
-    ages["position"].push_back(probabilities_of(of.position().link));
     nlohmann::json own = nlohmann::json::array();
     for (const Input& input : of.inputs) own.push_back(probabilities_of(input.link));
+    ages["position"].push_back(own[static_cast<std::size_t>(&of.position() - of.inputs.data())]);
+    if (ages.contains("input")) ages["input"].push_back(of.radio() != nullptr ? own.back() : nlohmann::json());
     ages["inputs"].push_back(std::move(own));
-    if (!ages.contains("input")) continue;
-    ages["input"].push_back(of.radio() != nullptr ? probabilities_of(of.radio()->link) : nlohmann::json());
   }
   return ages;
 }

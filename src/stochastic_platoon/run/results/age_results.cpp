@@ -8,6 +8,7 @@
 #include "stochastic_platoon/math/channel/link.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/delivery/batch_schedule.hpp"
 #include "stochastic_platoon/run/io/csv_text.hpp"
 
 namespace platoon {
@@ -17,7 +18,7 @@ namespace {
 constexpr std::uint64_t kMostMessages = 10'000'000;
 
 struct LosingLink {
-  std::size_t vehicle, input;
+  std::uint32_t vehicle, input;
   std::string signal;
   const LossModel* loss;
   std::uint32_t stream;  ///< of its losses
@@ -25,14 +26,12 @@ struct LosingLink {
 
 std::vector<LosingLink> losing_links(const PlatoonModel& model, std::size_t followers) {
   std::vector<LosingLink> links;
-  for (std::size_t i = 1; i <= followers; ++i) {
-    const VehicleModel& own = vehicle(model, i);
-    for (std::size_t n = 0; n < own.inputs.size(); ++n) {
-      const Input& input = own.inputs[n];
-      if (!input.link.loses() || input.link.loss->by_distance) continue;
-      const auto lost_with = static_cast<std::uint32_t>(own.losses_of(n));
-      links.push_back(
-          {i, n, name_of(input.signal), &*input.link.loss, input_stream(static_cast<std::uint32_t>(i), lost_with)});
+  for (std::uint32_t i = 1; i <= followers; ++i) {
+    std::uint32_t n = 0;
+    for (const Input& input : vehicle(model, i).inputs) {
+      const std::uint32_t place = n++;
+      if (input.link.loses() && !input.link.loss->by_distance)
+        links.push_back({i, place, name_of(input.signal), &*input.link.loss, loss_stream(model, i, place)});
     }
   }
   return links;
@@ -43,15 +42,14 @@ std::vector<LosingLink> losing_links(const PlatoonModel& model, std::size_t foll
 std::string ages_csv(const Configuration& configuration, const RunResult& result) {
   const RunOptions& run = configuration.run;
   const std::vector<LosingLink> links = losing_links(configuration.model, run.followers);
-  const bool endless = run.averaging() == Averaging::over_time;
-  const std::int64_t all_steps = (endless ? result.last_step + 1 : run.steps) - 1;
+  const std::int64_t all_steps = (run.steps == 0 ? result.last_step + 1 : run.steps) - 1;
   if (links.empty() || all_steps < 1 || result.realizations == 0) return "";
   const std::uint64_t of_a_link = std::max<std::uint64_t>(kMostMessages / links.size(), 1);
   const std::int64_t steps = std::min(all_steps, static_cast<std::int64_t>(of_a_link));
   const std::uint64_t realizations =
       std::clamp<std::uint64_t>(of_a_link / static_cast<std::uint64_t>(steps), 1, result.realizations);
-  // Each attempt of an endless run is a realization of its own.
-  const std::uint64_t first = endless ? std::max<std::uint64_t>(result.tally.attempts, 1) - 1 : 0;
+  const std::uint64_t first =
+      first_noise_realization({run.realizations, run.batch, run.steps}, {result.tally.attempts, 0, 0});
   CsvText csv("vehicle,signal,age,count,share,theoretical_share,input");
   csv.end_row();
   for (const LosingLink& link : links) {
