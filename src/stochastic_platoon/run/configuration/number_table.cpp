@@ -39,6 +39,8 @@ NumberTable::NumberTable(const std::string& file, std::int64_t skip_rows, std::v
   } catch (const UnreadableFile& error) {
     throw std::invalid_argument(printable(error.what()));
   }
+  if (text_.compare(0, 8, "#ROSBAG ") == 0)
+    fail("a bag: must be a table of numbers; recorded_drive writes the speed of a bag's car as one");
   if (text_.compare(0, 3, "\xEF\xBB\xBF") == 0) at_ = 3;  // the mark that spreadsheets put before UTF-8
   for (std::int64_t skipped = 0; skipped < skip_rows; ++skipped) next_line();
   if (!next_line()) fail("holds no row of column names");

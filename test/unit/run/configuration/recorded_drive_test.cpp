@@ -63,6 +63,8 @@ TEST_F(RecordedDriveTest, PositionsBeginAtTheFirst) {
 TEST_F(RecordedDriveTest, EveryFaultNamesItsRow) {
   EXPECT_EQ(problem_with(""), "holds no row of column names");
   EXPECT_EQ(problem_with("time,speed\n"), "holds no rows below the column names");
+  EXPECT_EQ(problem_with("#ROSBAG V2.0\n"),
+            "a bag: must be a table of numbers; recorded_drive writes the speed of a bag's car as one");
   EXPECT_EQ(problem_with("time,velocity\n0,1\n1,1\n"), "no column speed: must be one of time, velocity");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,nan\n"), "row 3: speed: nan: must be a finite number");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.5\n"), "row 3: speed: (empty): must be a finite number");
