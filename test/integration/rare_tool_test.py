@@ -70,6 +70,7 @@ class Estimations(RareTest):
         model = self.model(standstill_distance=2.0)
         lossy = self.model(name="lossy.yaml", standstill_distance=2.0, channel=LOSS)
         silent = self.model(name="silent.yaml", standstill_distance=2.0, noise_variance=0.0)
+        quiet = self.model(name="quiet.yaml", standstill_distance=2.0, noise_variance=1e-7)
         for options, expected in (
                 (dict(model=lossy, method="condition"), "the gaps are not normal, because a link loses or quantises"),
                 (dict(model="acc_limits.yaml", method="condition"), "the gaps are not normal, because a vehicle has limits"),
@@ -87,6 +88,7 @@ class Estimations(RareTest):
                 (dict(model=model, required=1e-6, over="mass"), "over: mass: must be standstill_distance or time_headway"),
                 (dict(model=model, per="hour"), "per: given: must be with required"),
                 (dict(model=silent, required=1e-6), "required: 1e-06: not reached by standstill_distance from 2 to 259.493: must be another value; there: below: 0 m: the event cannot"),
+                (dict(model=quiet, required=1e-6), "required: 1e-06: satisfied by every standstill_distance from 0.0154147 to 2: must be smaller"),
                 (dict(model=model, only=3), "only: given: must be with --trajectories"),
                 (dict(model=model, burn_in=-1), "burn_in: -1"),
         ):

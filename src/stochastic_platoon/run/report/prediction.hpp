@@ -32,7 +32,9 @@ struct Prediction {
   std::vector<double> stationary_variance;  ///< [m^2], one per follower; NaN if there is none
   std::vector<double> mean;                 ///< [m], one per cell
   std::vector<double> variance;             ///< [m^2], one per cell
-  std::vector<double> rounding = {};        ///< [m], one per cell, at least that of rounding_bounds(); empty over time
+  /// [m], one per cell, at least that of rounding_bounds(). Over time: what the burn-in leaves of the start, where the
+  /// theory has no variance, and 0 elsewhere.
+  std::vector<double> rounding = {};
   /// [m^4], one per cell: see linked_error_moments(); empty over time, without losses, and for losses in bursts
   std::vector<double> fourth_cumulant = {};
   std::size_t followers_with_theory = 0;

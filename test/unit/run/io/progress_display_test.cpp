@@ -1,8 +1,11 @@
 #include "stochastic_platoon/run/io/progress_display.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "unit/messages.hpp"
 
@@ -19,6 +22,24 @@ std::string printed(const Job& job) {
   return testing::internal::GetCapturedStdout();
 }
 
+// The same if it is a terminal, which writes "\r\n" for each "\n".
+template <typename Job>
+std::string drawn(const Job& job) {
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY), kept = ::dup(STDOUT_FILENO);
+  EXPECT_TRUE(terminal >= 0 && ::grantpt(terminal) == 0 && ::unlockpt(terminal) == 0);
+  const int output = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY);
+  std::fflush(stdout);
+  ::dup2(output, STDOUT_FILENO);
+  ProgressDisplay display(100, "realizations", 50.0, "vehicle-steps");
+  job(display);
+  display.finish();
+  ::dup2(kept, STDOUT_FILENO);
+  std::string text(10000, '\0');
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(::read(terminal, text.data(), text.size()), 0)));
+  for (const int descriptor : {output, terminal, kept}) ::close(descriptor);
+  return text;
+}
+
 std::ptrdiff_t lines(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
 }
@@ -30,6 +51,18 @@ TEST(ProgressDisplay, PrintsALinePerTenthWithoutATerminal) {
   EXPECT_EQ(lines(text), 10);
   EXPECT_FALSE(contains(text, "\r"));
   EXPECT_TRUE(contains(text, "100 %  100/100 realizations"));
+}
+
+TEST(ProgressDisplay, RedrawsTheBarTenTimesASecondAndAtTheEndOnATerminal) {
+  const std::string text = drawn([](ProgressDisplay& display) {
+    display.prepare("waiting", 0.0);
+    for (int tenth = 0; tenth <= 3; ++tenth) display.prepare("waiting", 0.125 * tenth);
+    for (std::uint64_t done = 0; done <= 100; ++done) display.update(done, 1.0 + 0.0078125 * static_cast<double>(done));
+  });
+  const auto redrawn = std::count(text.begin(), text.end(), '\r') - lines(text);
+  EXPECT_EQ(lines(text), 1);
+  EXPECT_EQ(redrawn, 3 + 7 + 1) << "three of the preparation, seven after 13 realizations each, and the last";
+  EXPECT_TRUE(contains(text, "] 100 %  100/100 realizations"));
 }
 
 TEST(ProgressDisplay, PrintsALineAfterTenSecondsWithoutATenth) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "stochastic_platoon/run/report/analysis.hpp"
@@ -30,6 +31,15 @@ TEST(AgeAnalysis, HasTheProbabilitiesOfEveryInput) {
   EXPECT_EQ(of_radio.at("input").at(1), radio);
   EXPECT_EQ(of_radio.at("inputs").at(1).at(1), radio);
   EXPECT_TRUE(ages_to_json(hearing_model(kPath), 2).is_null());
+}
+
+TEST(AgeAnalysis, HasNoneOfATrace) {
+  PlatoonModel model = hearing_model(packet("{probability: 0.2}"));
+  for (Input& input : model.default_vehicle().inputs) {
+    if (input.link.loses()) input.link.loss->trace = std::make_shared<LossTrace>(LossTrace::of_runs("3 2"));
+  }
+  EXPECT_EQ(ages_to_json(model, 1).at("inputs").at(0), nlohmann::json({{1.0}, nullptr, nullptr}));
+  EXPECT_EQ(age_report(model), "");
 }
 
 TEST(AgeAnalysis, IsPartOfTheAnalysisAsAreTheWeightsAndTypesOfCriticalValues) {

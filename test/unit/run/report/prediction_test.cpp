@@ -31,6 +31,9 @@ TEST_F(PredictionTest, OfAnEndlessRunIsStationary) {
   const Prediction prediction = predict(configuration_);
   EXPECT_EQ(prediction.mean, (std::vector<double>{0.0, 0.0}));
   EXPECT_EQ(prediction.variance, prediction.stationary_variance);
+  EXPECT_EQ(prediction.rounding, (std::vector<double>{0.0, 0.0})) << "noise has standard errors";
+  configuration_.model.default_vehicle().position().noise_variance = 0.0;
+  for (const double rest : predict(configuration_).rounding) EXPECT_TRUE(rest > 0.0 && rest < 1e-3) << rest;
 }
 
 TEST_F(PredictionTest, FollowsTheRecordedLeaderOfTheModel) {
