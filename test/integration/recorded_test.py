@@ -67,6 +67,7 @@ class Recorded(LaunchTest):
                 bag.write("/odom", odometry, odometry.header.stamp)
                 bag.write("/gps", TwistStamped(header=odometry.header), odometry.header.stamp)
         self.assertIn("--topic: missing: must name one of the bag's: /gps, /odom", self.recorded_drive(bag_file, table).stderr)
+        self.assertIn("/nowhere: must be a bag, a regular file that can be read", self.recorded_drive("/nowhere", table).stderr)
         self.assertIn("--topic: /x: must be one of the bag's: /gps, /odom", self.recorded_drive(bag_file, table, "--topic", "/x").stderr)
         self.assertEqual(self.recorded_drive(bag_file, table, "--topic", "/odom").returncode, 0)
         again = self.recorded_drive(bag_file, table, "--topic", "/gps")

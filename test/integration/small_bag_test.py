@@ -32,6 +32,10 @@ class SmallBag(SmallBagTest):
         self.rejected(old, "small_0.1.0.bag: holds no checksums", "versions before 0.2.0")
         self.rejected(old, "small_0.1.0.bag: its configuration is not valid: version: 0.1.0: must be 0.2.0 or ", options=["--unverified"])
 
+    def test_signals_that_the_recording_does_not_determine_are_rejected(self):
+        self.rejected(self.SMALL, "run/signals: input: must be absent unless every vehicle has limits, a radio, or a plant by its actuator_lag",
+                     options=["--signals", "input"])
+
     def test_messages_of_another_run_are_named_and_not_used(self):
         def forge(topic, message):
             if topic.endswith("vehicle_1/position") and message.first_realization == 4:

@@ -79,6 +79,15 @@ class BadInput(unittest.TestCase):
 
     def test_a_sweep_that_is_wrong_is_rejected_before_anything_is_printed(self):
         self.rejected("--sweep-headway: 3:2:1: must be FROM:TO:COUNT", "analyze", "--sweep-headway", "3:2:1")
+        self.rejected("gain: 0: must be a finite number > 0", "analyze", "--sweep-headway", "1:3:3", "--sweep-gain", "0:2:3")
+        self.rejected("loss: 1: must be from 0 to below 1", "analyze", "--sweep-loss", "0:1:3")
+        self.rejected("mean_burst: 0.5: must be a finite number >= 1", "analyze", "--sweep-burst", "0.5:3:3")
+
+    def test_signals_that_the_model_does_not_have_are_rejected(self):
+        self.rejected("signals: input: must be absent unless every vehicle has limits, a radio, or a plant by its actuator_lag", "analyze",
+                     "--signals", "input")
+        for options in (("--burn-in", "5"), ("--signals", "speed", "--burn-in", "500")):
+            self.rejected("burn-in: {}: must go with --signals speed, and be at most steps - 2 = 98".format(options[-1]), "analyze", *options)
 
     def test_a_long_value_is_cut(self):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as model:

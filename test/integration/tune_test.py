@@ -155,6 +155,15 @@ class Program(FolderTest):
         return subprocess.run([TUNE, file, "--bound", "0", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               universal_newlines=True)
 
+    def test_a_plot_of_no_front_says_what_it_needs(self):
+        plot = [live_platoon.shared("src", "tools", "plot"), "pareto", "--output", self.path("front")]
+        self.tune(self.SMALL, "--output", self.path("alone"))
+        for front, reason in ((self.path("nowhere"), "must be a regular file"),
+                              (self.path("alone"), "must be a tune.json with a front, as tune writes it for a file with the key pareto")):
+            done = subprocess.run(plot + [front], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertIn(reason, done.stderr)
+
     SMALL = "minimise: limit_variance\nover: {controller/numerator/0: [1.0, 2.0]}\nrealizations: 200\n"
 
     def test_the_same_file_gives_the_same_bytes_and_a_model_for_every_program(self):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
 from typing import Any, Dict, NamedTuple, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from stochastic_platoon import _platoon
 
 from plotting import style
 from plotting.values import Array
@@ -28,9 +28,7 @@ def load(path: str) -> Front:
     """The front in a tune.json, or in the folder of one. Raises FileNotFoundError, and ValueError if there is none."""
     file = os.path.join(path, "tune.json") if os.path.isdir(path) else path
     try:
-        with open(file) as stream:
-            document: Any = json.load(stream)
-        front = document["pareto"]
+        front: Any = _platoon.read_json(file)["pareto"]
         points = sorted(front["points"], key=lambda point: float(point["against"]))
         over, against = (np.array([float(point[axis]) for point in points]) for axis in ("over", "against"))
         variables = {key: np.array([float(point["variables"][key]) for point in points]) for key in points[0]["variables"]}

@@ -95,6 +95,8 @@ constexpr char kGap[] = "gap";
 
 /// Name of the control input that leads to the position of a step, u_i(k-1), of vehicles computed part by part.
 constexpr char kInput[] = "input";
+/// Their condition, in an error.
+constexpr char kWithInput[] = "every vehicle has limits, a radio, or a plant by its actuator_lag or continuous";
 
 /// Whether a run with these signals measures the control input of a follower: on request, or because it is limited.
 bool measures_input(const PlatoonModel& model, const std::vector<std::string>& signals, std::size_t follower);

@@ -148,7 +148,8 @@ PlatoonModel model_for(PlatoonModel model, const std::vector<std::string>& names
   if (const auto reason = no_theory(model)) throw std::invalid_argument("no theory, as " + *reason);
   for (VehicleType& type : model.types) {
     if (std::count(names.begin(), names.end(), kInput) == 0) break;
-    if (!type.vehicle.loop.parts) throw std::invalid_argument("signal input: must be of vehicles by parts");
+    if (!type.vehicle.loop.parts)
+      throw std::invalid_argument(std::string("signals: input: must be absent unless ") + kWithInput);
     type.vehicle.design->sends_input = true;
   }
   return model;

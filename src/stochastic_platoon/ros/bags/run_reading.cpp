@@ -44,6 +44,8 @@ RunReading::RunReading(const RecordedPlatoon& platoon, const std::optional<std::
     throw ConfigurationError(
         {"signals: " + signals->front() + ": must be empty for a recording of averages over time"});
   run.signals = *signals;
+  const std::vector<std::string> problems = signal_problems(platoon_.configuration);
+  if (!problems.empty()) throw ConfigurationError(problems);
   const std::vector<std::size_t> recorded = std::exchange(measured_, measured_followers(platoon_.configuration));
   if (!std::includes(recorded.begin(), recorded.end(), measured_.begin(), measured_.end()))
     throw ConfigurationError({"signals: input: must be absent for a recording of a run without this signal"});

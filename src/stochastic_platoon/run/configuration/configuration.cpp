@@ -80,8 +80,7 @@ void require_inputs(const PlatoonModel& model, const RunOptions& run, std::vecto
   const auto has_none = [](const VehicleModel& of) { return !of.loop.parts; };
   const std::vector<VehicleModel> vehicles = pattern(model);
   if (std::any_of(vehicles.begin(), vehicles.end(), has_none))
-    problems.emplace_back(
-        "run/signals: input: must be absent unless every vehicle has limits, a radio, or a plant by its actuator_lag or continuous");
+    problems.push_back(std::string("run/signals: input: must be absent unless ") + kWithInput);
   if (!run.external.empty()) problems.emplace_back("run/signals: input: must be absent beside external vehicles");
 }
 
@@ -94,6 +93,13 @@ void require_amplification(const RunOptions& run, std::vector<std::string>& prob
 }
 
 }  // namespace
+
+std::vector<std::string> signal_problems(const Configuration& configuration) {
+  std::vector<std::string> problems;
+  require_amplification(configuration.run, problems);
+  require_inputs(configuration.model, configuration.run, problems);
+  return problems;
+}
 
 Configuration parse_configuration(const YAML::Node& document) {
   std::vector<std::string> problems;

@@ -30,6 +30,9 @@ Configuration parse_configuration(const std::string& text);
 /// The same from a recording, also of an earlier version that is_readable().
 Configuration parse_recorded_configuration(const std::string& text);
 
+/// What is wrong with the signals of the run, each with its key; empty if nothing is.
+std::vector<std::string> signal_problems(const Configuration& configuration);
+
 /// The cells of the run's statistics.
 SignalCells cells_of(const Configuration& configuration);
 
