@@ -38,8 +38,11 @@ class Guides(readme_test.Commands, CodeTest):
 
     def test_links_lead_to_files(self):
         for _, name, text in guides():
-            for link in re.findall(r"\]\((?!http)([^)#]+)", text):
-                self.assertTrue(os.path.exists(os.path.join(readme_test.PACKAGE, FOLDER, link)), name + ": " + link)
+            for link, _, anchor in re.findall(r"\]\((?!http)([^)#]+)(#([^)]+))?\)", text):
+                file = os.path.join(FOLDER, link)
+                self.assertTrue(os.path.exists(os.path.join(readme_test.PACKAGE, file)), name + ": " + link)
+                headings = re.findall("^#+ (.+)$", readme_test.text_of(file), re.M) if anchor else []
+                self.assertIn(anchor, [re.sub(r"[^\w -]", "", of.lower()).replace(" ", "-") for of in headings] + [""], name + ": " + link)
 
     def test_quoted_blocks_are_lines_of_the_example(self):
         example = "".join(readme_test.text_of(os.path.join("launch", "examples", "string_margin", name))

@@ -211,6 +211,8 @@ class ResultFiles(ModuleTest):
         sweep = sp.Sweep.load(self.path("sweep.csv"))
         self.assertEqual(sweep.varied, ['the, "leader"'])
         self.assertEqual(sweep.columns['the, "leader"'], ["a,b", "c"])
+        self.write("signals.csv", "point,h," + ",".join(sp.Sweep.MEASURED[1:]) + ",gap_mean,collisions\n0,2" + ",1" * 13 + "\n1,3" + ",1" * 13 + "\n")
+        self.assertEqual(sp.Sweep.load(self.path("signals.csv")).varied, ["h"])
         np.testing.assert_array_equal(sweep.columns["mean"], [1.0, np.nan])
         with open(self.path("sweep.csv"), "a") as file:
             file.write("2,d,1\n")

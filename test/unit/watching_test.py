@@ -47,6 +47,15 @@ class State(unittest.TestCase):
         curves = self.state.give("curves")
         self.assertEqual((curves["provisional"], curves["step"], curves["variance"][2]), (False, [200], [30.0]))
 
+    def test_the_losses_of_a_link_are_named_by_their_kind(self):
+        probability = {"probability": 0.1, "on_loss": [1.0], "mean_burst": 3.0}
+        for loss, words in ((probability, "loss 0.1, bursts of 3"), ({"runs": "3 1 2 1", "on_loss": [1.0]}, "recorded losses"),
+                            ({"by_distance": [[20.0, 0.01], [100.0, 0.2]], "on_loss": [1.0]}, "losses by distance"),
+                            ({"markov": {"transition": [[0.9, 0.1], [0.3, 0.7]], "probability": [0.02, 0.7]}, "on_loss": [1.0]},
+                             "losses by the states of a chain")):
+            self.state.take_configuration(configuration(channel={"loss": loss}))
+            self.assertEqual(self.state.document()["link"], "additive noise, " + words)
+
     def test_missing_figures_are_null(self):
         self.state.take_overview(endless(3, 7), 0.0)
         self.state.take_overview(overview(theory="none", limit_variance=NAN, theoretical_variance=[NAN] * 12), 0.0)

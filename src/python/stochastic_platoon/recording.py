@@ -90,7 +90,8 @@ class Recording:
         return self._values("position", vehicle)
 
     def predecessor_positions(self, vehicle: int) -> NDArray[np.float64]:
-        """y_{i-1}(k) [m] as follower i received it, of the same shape; NaN where it was lost."""
+        """y_{i-1}(k) [m] as follower i used it, of the same shape: in place of a lost position its prediction (on_loss); NaN where the
+        recording has none."""
         return self._values("predecessor_position", vehicle)
 
     def inputs(self, vehicle: int) -> NDArray[np.float64]:

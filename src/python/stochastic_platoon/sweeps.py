@@ -17,7 +17,8 @@ class Sweep(Table):
         super().__init__(columns, path)
         for name in self.MEASURED:
             self.numbers(name)
-        #: names of the parameters that vary
-        self.varied: List[str] = [name for name in columns if name not in self.MEASURED]
+        names = list(columns)
+        #: names of the parameters that vary: the columns in front of `vehicle`
+        self.varied: List[str] = names[1:names.index("vehicle")]
         if not self.varied:
             raise ValueError("{}: nothing varies in it".format(path))

@@ -23,7 +23,7 @@ Condition = Union[bool, float, Sequence[Optional[float]]]
 Progress = Callable[[str, int, float], None]
 
 #: Figures of which more is better: a single number is their lower bound.
-AT_LEAST = ("phase_margin", "delay_margin", "critical_delay", "critical_loss_probability", "critical_mean_burst")
+AT_LEAST = ("phase_margin", "delay_margin", "string_margin", "critical_delay", "critical_loss_probability", "critical_mean_burst")
 NEAR = 0.02  # violation up to which the search computes the goal
 WORST = 1e12  # above every goal: an infeasible point
 

@@ -19,7 +19,8 @@ def channel_words(channel: Dict[str, Any], unit: str) -> List[str]:
         burst = ", bursts of {:g}".format(loss["mean_burst"]) if loss.get("mean_burst") else ""
         words.append("loss {:g}{}".format(loss["probability"], burst))
     elif loss:
-        words.append("losses by distance" if "by_distance" in loss else "recorded losses")
+        kinds = {"by_distance": "losses by distance", "markov": "losses by the states of a chain", "runs": "recorded losses"}
+        words.append(next(words for key, words in kinds.items() if key in loss))
     return words
 
 

@@ -12,7 +12,7 @@ using stochastic_platoon::Position;
 
 namespace {
 
-// Throws BagError if it was recorded by another version or is damaged.
+// Throws BagError if its version is not readable or it is damaged.
 Configuration parse_recorded(const std::string& file, const std::string& text) {
   try {
     return parse_recorded_configuration(text);

@@ -19,8 +19,8 @@ BagStatistics statistics_of_bags(const BagSource& source,
                                  const std::function<void(std::uint64_t, std::uint64_t)>& progress,
                                  const std::optional<std::vector<std::string>>& signals = std::nullopt);
 
-/// The first configuration in the bags, with its namespace. Throws BagError if there is none, or if it is of another
-/// version of this package.
+/// The first configuration in the bags, with its namespace. Throws BagError if there is none, or if its version is not
+/// readable.
 RecordedPlatoon recorded_platoon(const BagSource& source);
 
 /// The configuration in the bags for another run: without its record, resume, rate and first_realization. Throws
