@@ -1,8 +1,12 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 
+#include <algorithm>
+
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/vehicle.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 
 namespace platoon {
 
@@ -30,8 +34,19 @@ PlatoonModel in_moving_frame(PlatoonModel model) {
   return model;
 }
 
+double steady_input(const VehicleModel& own, double slope) {
+  const ExactTransfer& plant = own.design->plant.exact();
+  if (plant.integrators() >= 2 || slope == 0.0) return 0.0;
+  if (plant.integrators() < 1) return kNaN;
+  const auto lowest = [](const ExactPolynomial& of) {
+    return std::find_if(of.begin(), of.end(), [](const Exact& value) { return value != 0; })->convert_to<double>();
+  };
+  return slope * lowest(plant.denominator) / lowest(plant.numerator);
+}
+
 double steady_value(const PlatoonModel& model, const Signal& signal, std::size_t follower) {
   const VehicleModel& own = vehicle(model, follower);
+  if (signal.is_input) return steady_input(own, start_slope(model));
   const double slope = start_slope(model), of_speed = signal.own.order == 1 ? signal.own.factor : 0.0;
   if (own.hears_predecessor_only()) {
     const double lag = own.headway + static_cast<double>(own.position().link.delay);

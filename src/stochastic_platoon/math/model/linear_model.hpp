@@ -17,6 +17,10 @@ PlatoonModel without_limits(PlatoonModel model, std::int64_t steps);
 /// at rest at step -1, behind the deviation of vehicle 0. For linear platoons whose links of positions do not lose.
 PlatoonModel in_moving_frame(PlatoonModel model);
 
+/// The control input of a vehicle given by plant and controller that moves by s [m] a step for ever: with G its plant,
+/// s / lim (z - 1) G(z) as z tends to 1; 0 with two integrators in G, NaN with none, as it then grows.
+double steady_input(const VehicleModel& own, double slope);
+
 /// The value of a signal of follower i in steady motion, minus its value at rest in formation.
 double steady_value(const PlatoonModel& model, const Signal& signal, std::size_t follower);
 

@@ -262,6 +262,7 @@ std::shared_ptr<const ChangedDraws> ConditionedGaps::replay(std::size_t row,
                                                             std::optional<std::uint64_t> sample) const {
   const auto shifts = std::make_shared<Shifts>(*this);
   if (event_.followers == 1) row = 0;  // the only follower is any follower
+  if (std::isinf(choices_[row].log_sum())) return nullptr;
   const auto gap_of = [&](const Condition& at) {
     const Signal gap = signals_of(model_, {kGap}, at.follower).requested[0];
     double value = 0.0;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kFraction = 0.2;  // of the paths that reach the next level
 constexpr std::size_t kPathsAtOnce = 256, kMostLevels = 120;
-constexpr double kMostDraws = 6e7;      // normal draws of all paths: 0.5 GB, twice
+constexpr double kMostDraws = 6e7;      // normal draws of all paths: 0.5 GB, twice in each thread
 constexpr std::uint64_t kPilot = 4095;  // its repetition
 
 // The moves of the paths below a level: the share of the normal draws that is kept, or the number of steps before the
@@ -170,12 +170,13 @@ Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uin
     throw std::invalid_argument(formatted(
         "realizations: %llu: must be from %llu to %llu for a splitting", static_cast<unsigned long long>(realizations),
         static_cast<unsigned long long>(kLeastRealizations), static_cast<unsigned long long>(kMostRealizations)));
-  if (static_cast<double>(paths_ * event.followers) * static_cast<double>(event.steps) > kMostDraws)
+  std::size_t inputs = 1;
+  for (const VehicleModel& of : pattern(model)) inputs = std::max(inputs, of.inputs.size());
+  const double draws = static_cast<double>(event.followers * inputs) * static_cast<double>(event.steps);  // of a path
+  if (static_cast<double>(paths_) * draws > kMostDraws)
     throw std::invalid_argument(
         formatted("realizations: %llu: must be at most %.0f for %zu followers over %lld steps by splitting",
-                  static_cast<unsigned long long>(realizations),
-                  kMostDraws * static_cast<double>(kRepetitions) /
-                      (static_cast<double>(event.followers) * static_cast<double>(event.steps)),
+                  static_cast<unsigned long long>(realizations), kMostDraws * static_cast<double>(kRepetitions) / draws,
                   event.followers, static_cast<long long>(event.steps)));
   for (std::size_t row = 0; row <= event.followers; ++row)
     rows_.push_back(row == event.followers && row == 1 ? rows_.front() : pilot(row));

@@ -80,7 +80,11 @@ bool operator<(const PlacedGap& one, const PlacedGap& other) {
 
 GapCounting gap_counting(const PlatoonModel& model, std::size_t followers) {
   double variance = 0.0;
-  for (const VehicleType& type : model.types) variance = std::max(variance, type.vehicle.position().noise_variance);
+  for (const VehicleModel& of : pattern(model)) {
+    for (const Input& input : of.inputs) {
+      if (input.signal == InputSignal::position) variance = std::max(variance, input.noise_variance);
+    }
+  }
   const double most = variance > 0.0 ? std::sqrt(variance) / 5.0 : 0.01;
   // As a quotient of whole numbers, so that the bins' ends have few digits.
   double width = 1.0, divisor = 1.0;

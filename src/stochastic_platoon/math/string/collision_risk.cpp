@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/statistics/normal_crossing.hpp"
 
 namespace platoon {
@@ -29,13 +30,15 @@ struct StationaryRisk {
 
 /// `gaps`: of followers 1, 2, ..., or of the places of the pattern in an endless string.
 StationaryRisk stationary_risk(const PlatoonModel& model, const StationaryMoments& gaps, double probability) {
+  // Where unlike vehicles hear others, a mean error depends on the distances of several.
+  const bool moves_alone = hears_predecessors_only(model) || is_homogeneous(model);
   StationaryRisk risk;
   for (std::size_t j = 0; j < gaps.mean.size(); ++j) {
     const NormalLaw gap{gaps.mean[j], gaps.variance[j]};
     risk.probability.push_back(probability_below_zero(gap));
     risk.rate.push_back(probability_of_crossing(gap, gap, gaps.change[j]));
     const double missing = mean_needed(gap.variance, probability) - gap.mean;
-    const double distance = vehicle(model, j + 1).standstill_distance + missing;
+    const double distance = moves_alone ? vehicle(model, j + 1).standstill_distance + missing : kNaN;
     risk.required_distance.push_back(distance < 0.0 ? 0.0 : distance);
   }
   return risk;

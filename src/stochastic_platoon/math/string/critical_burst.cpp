@@ -17,8 +17,9 @@ double least_burst(const PlatoonModel& model) {
   for (const VehicleType& type : model.types) {
     const LinkModel& link = type.vehicle.varied_link();
     if (!type.inherited.mean_burst || !link.loses()) continue;
-    const LossModel& loss = *link.loss;
-    least = std::max(least, loss.probability == 0.5 ? kBesideAlternation : loss.least_burst());
+    LossModel loss = *link.loss;
+    loss.mean_burst = loss.least_burst();
+    least = std::max(least, loss.alternates() ? kBesideAlternation : *loss.mean_burst);
   }
   return least;
 }

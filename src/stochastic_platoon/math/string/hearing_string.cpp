@@ -40,7 +40,8 @@ double lateness(const VehicleModel& own, const Input& input, double speed, doubl
   const ExactTransfer& controller = own.design->controller.exact();
   const Exact at_rest =
       controller.denominator.front() == 0 ? Exact(0) : controller.denominator.front() / controller.numerator.front();
-  return at_rest.convert_to<double>() * input.gain * loss->probability * speed / period;
+  const double divided = own.design->divide_by_one_plus_headway ? 1.0 + own.headway : 1.0;
+  return at_rest.convert_to<double>() * divided * input.gain * loss->probability * speed / period;
 }
 
 // Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/response/loop_filter.hpp"
@@ -48,10 +49,14 @@ RoundingGains rounding_gains(const StateSpace& vehicle, double headway, std::siz
 /// M(k) for k = 0 .. steps-1: 1.5 times the leader's largest position, as a vehicle may overshoot, plus the spread.
 std::vector<double> largest_positions(const PlatoonModel& model, std::size_t followers, std::size_t steps) {
   constexpr double kDeviations = 8.0;
-  const InitialPosition& initial = model.default_vehicle().initial_position;
+  double mean = 0.0, variance = 0.0, noise = 0.0;
+  for (const VehicleModel& of : pattern(model)) {
+    mean = std::max(mean, std::abs(of.initial_position.mean));
+    variance = std::max(variance, of.initial_position.variance);
+    noise = std::max(noise, of.position().noise_variance);
+  }
   const double spread =
-      static_cast<double>(followers) * model.default_vehicle().standstill_distance + std::abs(initial.mean) +
-      kDeviations * (std::sqrt(initial.variance) + std::sqrt(model.default_vehicle().position().noise_variance));
+      std::abs(start_place(model, followers)) + mean + kDeviations * (std::sqrt(variance) + std::sqrt(noise));
   std::vector<double> largest;
   double farthest = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
@@ -80,33 +85,12 @@ double signal_rounding(const PlatoonModel& model, const Signal& signal, std::siz
 
 namespace {
 
-// The largest bound among the paper's platoons of its vehicles, times the amplification by a predictor.
-std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const SignalMoments& moments) {
-  std::vector<double> largest(moments.variance.size(), 0.0);
-  for (const VehicleModel& vehicle : pattern(model)) {
-    PlatoonModel alike = model;
-    alike.string.clear();
-    alike.default_vehicle().inputs = {{InputSignal::position, alike.default_vehicle().position().noise_variance}};
-    alike.default_vehicle().loop = vehicle.loop;
-    alike.default_vehicle().headway = vehicle.headway;
-    double predicted = 1.0;
-    if (const std::optional<LossModel>& loss = vehicle.position().link.loss) {
-      for (const double c : loss->predictor) predicted += std::abs(c);
-    }
-    const std::vector<double> bounds = rounding_bounds(alike, error_moments(alike, moments.followers, moments.steps));
-    for (std::size_t c = 0; c < bounds.size(); ++c) largest[c] = std::max(largest[c], predicted * bounds[c]);
-  }
-  return largest;
-}
-
-}  // namespace
-
-std::vector<double> rounding_bounds(const PlatoonModel& model, const SignalMoments& moments) {
-  if (!is_papers(model)) return linked_rounding_bounds(model, moments);
+// Of a platoon of the paper whose positions are at most `farthest` so far.
+std::vector<double> papers_rounding_bounds(const PlatoonModel& model, const std::vector<double>& farthest,
+                                           const SignalMoments& moments) {
   const auto steps = static_cast<std::size_t>(moments.steps);
   const RoundingGains gains =
       rounding_gains(model.default_vehicle().loop.realization, model.default_vehicle().headway, steps);
-  const std::vector<double> largest = largest_positions(model, moments.followers, steps);
   std::vector<double> unit_variance;
   if (model.default_vehicle().position().noise_variance == 0.0) {
     PlatoonModel noisy = model;
@@ -125,11 +109,41 @@ std::vector<double> rounding_bounds(const PlatoonModel& model, const SignalMomen
                               : unit_variance[c];
       const double ahead = 1.0 + std::sqrt(static_cast<double>(i) * static_cast<double>(k + 1) * unit);
       bounds.push_back(
-          kRoundoff * largest[k] *
+          kRoundoff * farthest[k] *
           (4.0 * (1.0 + 2.0 * model.default_vehicle().headway) + gains.error[k] + ahead * gains.position[k]));
     }
   }
   return bounds;
+}
+
+// The largest bound among the paper's platoons of its vehicles, times the amplification by a predictor.
+std::vector<double> linked_rounding_bounds(const PlatoonModel& model, const std::vector<double>& farthest,
+                                           const SignalMoments& moments) {
+  std::vector<double> largest(moments.variance.size(), 0.0);
+  for (const VehicleModel& vehicle : pattern(model)) {
+    PlatoonModel alike = model;
+    alike.string.clear();
+    alike.default_vehicle().inputs = {{InputSignal::position, alike.default_vehicle().position().noise_variance}};
+    alike.default_vehicle().loop = vehicle.loop;
+    alike.default_vehicle().headway = vehicle.headway;
+    double predicted = 1.0;
+    if (const std::optional<LossModel>& loss = vehicle.position().link.loss) {
+      for (const double c : loss->predictor) predicted += std::abs(c);
+    }
+    const std::vector<double> bounds =
+        papers_rounding_bounds(alike, farthest, error_moments(alike, moments.followers, moments.steps));
+    for (std::size_t c = 0; c < bounds.size(); ++c) largest[c] = std::max(largest[c], predicted * bounds[c]);
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<double> rounding_bounds(const PlatoonModel& model, const SignalMoments& moments) {
+  const std::vector<double> farthest =
+      largest_positions(model, moments.followers, static_cast<std::size_t>(moments.steps));
+  return is_papers(model) ? papers_rounding_bounds(model, farthest, moments)
+                          : linked_rounding_bounds(model, farthest, moments);
 }
 
 }  // namespace platoon

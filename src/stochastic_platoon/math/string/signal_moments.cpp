@@ -146,11 +146,11 @@ PlatoonModel model_for(PlatoonModel model, const std::vector<std::string>& names
                        std::int64_t steps) {
   require_size(followers, steps);
   if (const auto reason = no_theory(model)) throw std::invalid_argument("no theory, as " + *reason);
-  for (VehicleType& type : model.types) {
+  for (const std::size_t t : type_order(model)) {
     if (std::count(names.begin(), names.end(), kInput) == 0) break;
-    if (!type.vehicle.loop.parts)
-      throw std::invalid_argument(std::string("signals: input: must be absent unless ") + kWithInput);
-    type.vehicle.design->sends_input = true;
+    VehicleModel& of = model.types[t].vehicle;
+    if (!of.loop.parts) throw std::invalid_argument(std::string("signals: input: must be absent unless ") + kWithInput);
+    of.design->sends_input = true;
   }
   return model;
 }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/stationary_theory.hpp"
@@ -44,6 +45,7 @@ StationaryMoments stationary_moments(const PlatoonModel& model, const SignalList
     const Signal& signal = signals[i][index];
     const VehicleModel& own = vehicle(model, first + i);
     double mean = signal.own.order == 1 ? signal.own.factor * speed : 0.0;
+    if (signal.is_input) mean = steady_input(own, speed);
     if (signal.of_distance() != 0.0)
       mean += signal.of_distance() * (own.standstill_distance + own.headway * speed + errors[i]) - signal.offset;
     moments.mean.push_back(mean);

@@ -1,0 +1,106 @@
+#!/usr/bin/python3
+"""Models at the edge of what the theory covers: it agrees with the measurement there, or does not answer."""
+
+import math
+import os
+import unittest
+
+import numpy as np
+import stochastic_platoon as sp
+
+from python_module import ModuleTest, program
+
+PAPER = sp.Model.load("paper.yaml")
+CAR = {"plant": {"actuator_lag": 0.1}, "controller": {"kp": 0.2, "kd": 0.7, "headway_filter": True}, "time_headway_seconds": 3.5,
+       "limits": {"input": [-6.0, 2.5]}}
+ONE_INTEGRATOR = {"sample_period": 0.1, "time_headway": 10, "standstill_distance": 5.0, "noise_variance": 0.01,
+                  "plant": {"numerator": [0.1], "denominator": [1.0, -1.0]}, "controller": {"kp": 0.5, "kd": 0.0, "ki": 0.05},
+                  "initial_position": {"mean": 0.0, "variance": 0.0}, "leader": {"speed": [{"from_step": 0, "value": 20.0}]}}
+
+
+class OddModels(ModuleTest):
+    def saved(self, model):
+        path = self.path("model.yaml")
+        with open(path, "w") as file:
+            file.write(repr(model.to_dict()))
+        return path
+
+    def test_far_followers_before_the_noise_arrives_agree_to_rounding(self):
+        """Their variance is 0: only the rounding of their position is left, which is far from 0 before the first step."""
+        trucks = {"truck": {"standstill_distance": 30.1}}
+        for model, followers in ((PAPER.replace(start="steady"), 50),
+                                 (PAPER.replace(noise_variance=0.01, vehicle_types=trucks, string=["default", "truck"]), 10)):
+            results = sp.monte_carlo(model, followers=followers, steps=50, realizations=100)
+            self.assertLess(results.max_abs_z, results.summary["agreement"]["plausible_z"])
+
+    def test_a_default_vehicle_that_the_string_does_not_have_takes_no_part(self):
+        model = PAPER.replace(vehicle_types={"car": CAR}, string=["car"])
+        results = sp.monte_carlo(model, followers=2, steps=50, realizations=100)
+        self.assertTrue(results.complete)
+        self.assertIn("limits", results.summary["crc32"])
+        free = PAPER.replace(vehicle_types={"car": {key: CAR[key] for key in CAR if key != "limits"}}, string=["car"])
+        self.assertEqual(len(sp.analyze(free, followers=2, steps=50, signals=["input"])["signals"]["input"]["stationary_mean"]), 2)
+
+    def test_the_input_of_a_plant_of_one_integrator_is_what_its_speed_needs(self):
+        rest = sp.Model.from_dict(ONE_INTEGRATOR)
+        for model in (rest, rest.replace(start="steady")):
+            found = sp.analyze(model, followers=2, steps=2000, signals=["input"])["signals"]["input"]
+            np.testing.assert_allclose(found["stationary_mean"], [20.0, 20.0], rtol=1e-12)
+            np.testing.assert_allclose(np.array(found["mean"])[:, -1], [20.0, 20.0], rtol=1e-6)
+        results = sp.monte_carlo(rest.replace(start="steady"), followers=2, steps=200, realizations=1000, signals=["input"])
+        self.assertRegex(results.report, r"input of follower 2 at .*, agrees \(")
+        limited = sp.analyze(rest.replace(start="steady", limits={"input": [-5.0, 20.1]}), followers=1, steps=50)
+        measured = sp.monte_carlo(rest.replace(start="steady"), followers=1, steps=50, realizations=20000, signals=["input"])
+        of = measured.signals["input"]
+        expected = 0.5 * math.erfc((20.1 - of.mean[0, -1]) / math.sqrt(2.0 * of.variance[0, -1]))
+        self.assertGreater(expected, 0.01)  # to about 3 % with 20000 realizations
+        beyond = np.array(limited["linear"]["probability_beyond_input_limits"])[0, -1]
+        self.assertAlmostEqual(beyond / float(expected), 1.0, delta=0.1)
+
+    def test_a_lost_speed_acts_by_the_controller_that_the_loop_has(self):
+        loss = {"probability": 0.2, "on_loss": "zero"}
+        inputs = [{"signal": "position", "from": "predecessor", "noise_variance": 0.02},
+                  {"signal": "speed", "from": "predecessor", "gain": 0.3, "noise_variance": 0.01, "channel": {"loss": loss}}]
+        model = sp.Model.from_dict({"sample_period": 0.1, "time_headway": 8, "standstill_distance": 6.0, "plant": {"actuator_lag": 0.3},
+                                    "controller": {"kp": 2.0, "kd": 3.0, "divide_by_one_plus_headway": True}, "inputs": inputs,
+                                    "initial_position": {"mean": 0.0, "variance": 0.0}, "leader": {"speed": [{"from_step": 0, "value": 20.0}]}})
+        found = sp.analyze(model, followers=1, steps=1000)
+        self.assertAlmostEqual(found["stationary_mean"][0], 5.4, places=9)
+        self.assertAlmostEqual(np.array(found["mean"])[0, -1], 5.4, places=6)
+
+    def test_a_report_has_no_number_that_is_none(self):
+        one = sp.monte_carlo(PAPER, followers=2, steps=20, realizations=1, signals=["gap", "speed"]).report
+        self.assertRegex(one, r"gap of follower 2 at 1.9 s \(step 19\): mean \S+ m \(theory")
+        self.assertNotIn("nan", one)
+        hidden = sp.monte_carlo(sp.Model.load("acc.yaml"), followers=1, steps=50, realizations=100, signals=["speed"]).report
+        self.assertIn("Amplification of the speed (L2): none, as noise hides it\n", hidden)
+
+    def test_a_gap_that_is_never_small_has_no_realization(self):
+        quiet = PAPER.replace(standstill_distance=2.0, noise_variance=0.1, leader={"speed": [{"from_step": 0, "value": 0.0}]},
+                              vehicle_types={"quiet": {"noise_variance": 0.0}}, string=["quiet", "default"])
+        for only in ({}, {"only": 3}):
+            printed = program("rare", "--trajectories", fails=True, model=self.saved(quiet), followers=2, steps=50, realizations=500,
+                              vehicle=1, output=self.path("rare"), **only)
+            self.assertIn("below: 0: of probability 0 here: must be larger, or another vehicle", printed)
+        self.assertFalse(os.path.exists(self.path("rare", "trajectories.csv")))
+
+    def test_losses_next_to_a_half_have_a_critical_mean_burst(self):
+        half = sp.analyze(PAPER.replace(loss=0.5), followers=2, steps=5)["critical_mean_burst"]
+        for loss in (0.49999999999999994, 0.5000000001, 0.4999999999):
+            found = sp.analyze(PAPER.replace(loss=loss), followers=2, steps=5)
+            self.assertEqual(found["critical_mean_burst"] is None, half is None)
+            self.assertIsNotNone(found.string_stable)
+
+    def test_unlike_vehicles_that_hear_others_have_no_required_distance_of_one(self):
+        inputs = [{"signal": "position", "from": "predecessor", "weight": 0.6, "noise_variance": 0.3},
+                  {"signal": "position", "from": 2, "weight": 0.4, "noise_variance": 0.5}]
+        one = sp.Model.load("two_ahead.yaml").replace(inputs=inputs, leader={"speed": [{"from_step": 0, "value": 0.0}]}, start="rest")
+        two = one.replace(vehicle_types={"b": {"standstill_distance": 12.0}}, string=["default", "b"])
+        required = [sp.analyze(model, followers=6, steps=50, signals=["gap"], collision_probability=1e-3)["collision"]
+                    ["required_standstill_distance_of_platoon"] for model in (one, two)]
+        self.assertAlmostEqual(required[0], 4.5763, places=3)
+        self.assertIsNone(required[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
