@@ -44,6 +44,12 @@ platoon_install() {
 # Installs, builds and sets the environment. Arguments: further packages. Variables: platoon_targets: the targets to build;
 # platoon_testing=ON: builds the tests (their packages are not installed otherwise).
 platoon_setup() {
+  case $source_folder in
+    *[[:space:]]*)
+      echo "$source_folder: must be a path without spaces, as roslaunch starts no program in it" >&2
+      return 1
+      ;;
+  esac
   # Catkin fails with a python3 other than Debian's.
   export PATH=/usr/bin:$PATH
   platoon_install "${platoon_packages[@]}" "$@"
@@ -60,7 +66,7 @@ platoon_setup() {
     # there are, the more sources: 24 of them take 2 GB of memory.
     local unity=()
     [ -f "$build/CMakeCache.txt" ] || unity=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=$(($(nproc) > 4 ? 8 : 24)))
-    cmake -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_DEVEL_PREFIX="$devel" \
+    cmake -G "Unix Makefiles" -S "$source_folder" -B "$build" -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_DEVEL_PREFIX="$devel" \
       -DCATKIN_ENABLE_TESTING="$testing" "${unity[@]}"
   fi
   make --no-print-directory -C "$build" -j"$(nproc)" ${platoon_targets:-all}

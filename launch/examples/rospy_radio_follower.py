@@ -37,6 +37,8 @@ class Stream:
             in_turn = latest == (run, attempt, first, step - 1)
         if in_turn:
             self.latest = name(message)
+            while self.waiting and name(self.waiting[0])[:2] != (run, attempt):
+                self.waiting.popleft()  # of an abandoned attempt
             self.waiting.append(message)
 
 

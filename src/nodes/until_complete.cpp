@@ -16,6 +16,7 @@
 
 #include "stochastic_platoon/ros/hosting/run_component.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/ros/transport/run_membership.hpp"
 #include "stochastic_platoon/ros/transport/sole_publisher.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 
@@ -26,8 +27,10 @@ using stochastic_platoon::Progress;
 // Whether each receiver has finished. Like the leader, it accepts a receiver's reports from one node only.
 class Finished {
 public:
-  Finished(const ros::NodeHandle& platoon, const platoon::Configuration& configuration)
-      : run_(platoon::run_identity(configuration)), stays_(ros::NodeHandle("~").param("stay", false)) {
+  Finished(const ros::NodeHandle& platoon, const platoon::Configuration& configuration,
+           platoon::RunMembership::Join superseded)
+      : membership_(platoon, "until_complete", platoon::run_identity(configuration), std::move(superseded)),
+        stays_(ros::NodeHandle("~").param("stay", false)) {
     const std::string topic = platoon.resolveName(platoon::kProgressTopic);
     for (const std::string& name : configuration.run.receivers())
       receivers_.emplace(name, Receiver{platoon::SolePublisher(topic + " of " + name), false});
@@ -36,9 +39,9 @@ public:
   void receive(const ros::MessageEvent<const Progress>& event) {
     const Progress::ConstPtr message = event.getMessage();
     const auto found = receivers_.find(message->receiver);
-    if (found == receivers_.end() || message->run != run_) return;
+    if (!membership_.admits(message->run) || found == receivers_.end()) return;
     Receiver& receiver = found->second;
-    if (receiver.reporter.admits(event.getConnectionHeaderPtr(), run_)) receiver.finished = message->finished;
+    if (receiver.reporter.admits(event.getConnectionHeaderPtr(), message->run)) receiver.finished = message->finished;
     const bool all =
         std::all_of(receivers_.begin(), receivers_.end(), [](const auto& entry) { return entry.second.finished; });
     if (!all || std::exchange(ended_, true)) return;
@@ -52,7 +55,7 @@ private:
     platoon::SolePublisher reporter;
     bool finished;
   };
-  std::uint64_t run_;
+  platoon::RunMembership membership_;
   std::map<std::string, Receiver> receivers_;
   bool stays_, ended_ = false;
 };
@@ -75,7 +78,7 @@ void print_result_after(long roslaunch, const std::string& output) {
 
 void run_until_complete(ros::NodeHandle platoon, const platoon::Configuration& configuration,
                         platoon::Superseded& superseded) {
-  Finished finished(platoon, configuration);
+  Finished finished(platoon, configuration, superseded.join());
   const ros::Subscriber progress = platoon.subscribe(platoon::kProgressTopic, 100, &Finished::receive, &finished);
   superseded.spin();
   if (const long roslaunch = platoon::roslaunch_process(); !ros::ok() && roslaunch > 0)

@@ -113,6 +113,25 @@ void require_range(const platoon::CommandLine& line, std::int64_t most, bool kep
   if (!problems.empty()) throw platoon::ConfigurationError(problems);
 }
 
+// Throws ConfigurationError if a part of the string is to run in one process.
+void require_all_in_one_process(const platoon::CommandLine& line, const platoon::RunOptions& run) {
+  const bool all = !line.has("first") || (line["first"] == "1" && line["last"] == std::to_string(run.followers));
+  if (run.hosting == platoon::Hosting::one_process && !all)
+    throw platoon::ConfigurationError({"first, last: " + line["first"] + ", " + line["last"] + ": must be 1 and " +
+                                       std::to_string(run.followers) +
+                                       " with hosting:=one_process, which runs all vehicles"});
+}
+
+// Throws ConfigurationError if the settings would change a run that is replayed as it was recorded.
+void require_as_recorded(const std::map<std::string, std::string>& settings) {
+  std::vector<std::string> problems;
+  for (const auto& entry : settings) {
+    if (!entry.second.empty() && entry.first != "output" && entry.first != "external" && entry.first != "launch_id")
+      problems.push_back(entry.first + ": given: must be with drive:=leader, as the run is replayed as recorded");
+  }
+  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+}
+
 // Throws ConfigurationError if a platoon runs in the namespace already, or a vehicle that this launch would start.
 void require_free_namespace(const platoon::CommandLine& line, const platoon::RunOptions& run) {
   if (platoon::roslaunch_process() == 0) return;
@@ -205,27 +224,30 @@ int configure_main(int argc, char** argv) {
       throw platoon::ConfigurationError(
           {"model, output, record, bag: a path with a quote ('): must be without, as a launch file cannot pass it on (a symbolic link can give it another name)"});
     }
+    const std::vector<std::string> undeclared =
+        platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
+    if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     if (line["kept"] == "true") {
       require_range(line, platoon::kMaxFollowers, true);
       return 0;
     }
-    const std::vector<std::string> undeclared =
-        platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
-    if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     require_log_folder();
     if (line.has("drive") && line["bag"].find_first_not_of(' ') == std::string::npos)
       throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
     const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole, is_true(line["unverified"])};
     if (line.has("drive")) require_drive(line["drive"], platoon::configuration_to_repeat(bags).run);
+    const bool recorded_leader = is_true(line["recorded_leader"]);
+    if (!bags.files.empty() && !recorded_leader) require_as_recorded(line.settings);
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
     settings["output"] = absolute(settings["output"]);
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
-    platoon::Configuration configuration =
-        bags.files.empty() ? platoon::parse_configuration(platoon::configuration_document(settings))
-                           : platoon::repeated(bags, not_empty(settings), line["recorded_leader"] == "true");
+    platoon::Configuration configuration = bags.files.empty()
+                                               ? platoon::parse_configuration(platoon::configuration_document(settings))
+                                               : platoon::repeated(bags, not_empty(settings), recorded_leader);
     require_range(line, static_cast<std::int64_t>(configuration.run.followers), false);
+    require_all_in_one_process(line, configuration.run);
     require_free_namespace(line, configuration.run);
     require_free_recording(configuration.run);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);

@@ -9,8 +9,11 @@ import time
 import unittest
 import xmlrpc.client
 
+import numpy as np
 import rosbag
 import rosgraph
+import rospy
+import stochastic_platoon as sp
 
 import live_platoon
 from recording import BagTest, DATA, forged_position, rewritten
@@ -76,6 +79,63 @@ class RecordAndReplay(BagTest):
         live_platoon.kill("/platoon/monitor", terminal.master)
         terminal.wait(60)
         self.assertIn("the monitor was started again and has lost its place in an endless recording: replay it again", terminal.text())
+
+    def test_it_has_the_statistics_of_every_step_of_a_long_run(self):
+        self.record(followers=2, steps=4000, realizations=2)
+        self.assert_whole(self.bag, 2, 4000, 1)
+
+    def test_a_file_name_may_have_a_space(self):
+        self.bag = self.path("my run.bag")
+        self.record(followers=1, steps=10, realizations=20)
+        self.assert_replayed_run(self.bag, live_platoon.statistics(self.output))
+
+    def test_a_bag_that_begins_later_is_rejected_at_once(self):
+        self.run_to_the_end(followers=1, steps=10, realizations=20, batch=10)
+        self.record(followers=1, steps=10, realizations=40, batch=10, resume="true")
+        self.assertIn("begins with realization 20, as that of a resumed run, or without the first part: must begin with realization 0",
+                      self.replayed(self.bag, output=self.path("again")))
+
+    def test_a_replay_waits_for_a_monitor_that_pauses(self):
+        self.record(followers=1, steps=100, realizations=4000, batch=10)
+        again, most = self.path("again"), 5 * 256  # so many windows in four seconds
+        terminal = self.launch("replay.launch", bag=self.bag, output=again, pause="true")
+        environment = live_platoon.ros_environment(terminal.master, ROS_HOME=self.folder)
+        steps = open(self.path("steps"), "w+")
+        self.addCleanup(steps.close)
+        listener = self.background("rostopic", "echo", "-p", "/platoon/vehicle_0/position/step", stdout=steps, env=environment)
+        live_platoon.wait_for(lambda: subprocess.run(["rosservice", "info", "/platoon/player/pause_playback"], env=environment,
+                                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0, "the player")
+        time.sleep(1.0)  # the monitor has reported
+        with live_platoon.held("/platoon/monitor", terminal.master):
+            subprocess.run(["rosservice", "call", "/platoon/player/pause_playback", "false"], env=environment, check=True, stdout=subprocess.DEVNULL)
+            time.sleep(4.0)
+        listener.terminate()
+        listener.wait()
+        steps.seek(0)
+        played = len(steps.readlines())
+        self.assertGreater(played, 50)
+        self.assertLess(played, most)
+        self.assertTrue(self.completed(terminal, again))
+        self.assertEqual(live_platoon.statistics(again), live_platoon.statistics(self.output))
+
+    def test_an_endless_recording_has_the_values_of_its_latest_attempt(self):
+        recorded, again = self.bag + ".active", self.path("again.bag")
+        terminal = self.launch("platoon.launch", output=self.output, followers=2, steps=0, rate=200, record=self.bag)
+        live_platoon.wait_for(lambda: os.path.exists(recorded) and os.path.getsize(recorded) > 50000, "a recording", 60)
+        terminal.interrupt()
+        with rosbag.Bag(recorded) as bag, rosbag.Bag(again, "w") as written:
+            messages = [of for of in bag.read_messages() if not of[0].endswith("checksum")]
+            for of in messages:
+                written.write(*of)
+            for topic, message, time in messages:
+                if hasattr(message, "attempt") and hasattr(message, "position") and message.step <= (2 if topic.endswith("2/position") else 3):
+                    message.attempt += 1
+                    message.position = [1000.0 + y for y in message.position]
+                    written.write(topic, message, time + rospy.Duration(3600))
+        before, after = sp.Recording(recorded), sp.Recording(again, unverified=True)
+        self.assertGreater(before.positions(1).shape[1], 10)
+        np.testing.assert_array_equal(after.positions(1), 1000.0 + before.positions(1)[:, :5])
+        np.testing.assert_array_equal(next(after.trajectories())["position"][2], np.append(1000.0 + before.positions(2)[0, :4], np.nan))
 
     def test_a_platoon_time_that_went_back_in_the_run_leaves_nothing_out(self):
         # As after a kill of all nodes that know it.

@@ -126,6 +126,18 @@ class Contract(ExternalTest):
         self.assertRegex(self.assert_broken("one_publisher", len(faults)), r"/broken_followers_\d+_\d+ and /vehicle_{0} publish /platoon/vehicle_{0}/position".format(len(faults)))
         second.terminate()
 
+    def test_an_interrupted_check_gives_no_verdict(self):
+        self.start_example(3)
+        check = subprocess.Popen([live_platoon.executable("check_vehicle"), "3"], env=self.environment, stdout=subprocess.PIPE,
+                                 stderr=subprocess.STDOUT, universal_newlines=True)
+        self.addCleanup(check.stdout.close)
+        self.assertIn("holds", next(line for line in check.stdout if "holds" in line))
+        check.send_signal(signal.SIGINT)
+        said = check.stdout.read()
+        self.assertEqual(check.wait(), 1)
+        self.assertIn("interrupted: no verdict", said)
+        self.assertNotIn("BROKEN", said)
+
     def test_a_vehicle_that_is_not_there_or_no_number_is_named(self):
         self.assertIn("vehicle_4 is not running: it must publish /platoon/vehicle_4/position and subscribe to "
                       "/platoon/vehicle_4/predecessor_position", self.check_vehicle(4, "--wait", "0.1").stdout)

@@ -52,6 +52,17 @@ class BadInput(LaunchTest):
             self.rejected("drive: {}: must be leader, or one of vehicle_1 to vehicle_2, the recorded followers".format(drive),
                           file="replay.launch", bag=small, drive=drive, unverified=True)
 
+    def test_a_replay_as_recorded_rejects_what_would_change_the_run(self):
+        small = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data", "small.bag")
+        for drive in ("", "vehicle_1"):
+            self.rejected("followers: given: must be with drive:=leader", "headway: given: must be with drive:=leader",
+                          "seed: given: must be with drive:=leader", file="replay.launch", bag=small, unverified=True, drive=drive,
+                          headway=2.4, followers=5, seed=9)
+
+    def test_a_part_of_the_string_in_one_process_is_rejected(self):
+        self.rejected("first, last: 1, 2: must be 1 and 4 with hosting:=one_process, which runs all vehicles", hosting="one_process",
+                      followers=4, last=2)
+
     def test_unknown_and_missing_keys_are_named(self):
         model = self.model_with(time_headwya=3.2, time_headway=None)
         self.rejected("time_headwya: unknown key", "time_headway: missing", model=model)
@@ -109,12 +120,25 @@ class BadInput(LaunchTest):
 class Arguments(LaunchTest):
     def test_a_misspelt_one_is_rejected_before_any_node_starts(self):
         for file, argument, words in (("platoon.launch", dict(headways=2.4), "headways: unknown argument of platoon.launch: did you mean headway?"),
-                                      ("live.launch", dict(rates=20), "rates: unknown argument of live.launch: did you mean rate?")):
+                                      ("live.launch", dict(rates=20), "rates: unknown argument of live.launch: did you mean rate?"),
+                                      ("followers.launch", dict(first=1, last=2, externl=2, output=None),
+                                       "externl: unknown argument of followers.launch: did you mean external?")):
             terminal = self.launch(file, **argument)
             terminal.wait_for_text(words)
             terminal.wait()
             self.assertNotIn("process[", terminal.text())
             self.assertFalse(os.path.exists(self.output))
+
+
+class Process(LaunchTest):
+    def test_a_launch_that_is_process_1_runs_to_its_end(self):
+        """As in a container whose entry point is roslaunch."""
+        inside = ("unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc", "--kill-child")
+        if subprocess.run(inside + ("true",), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
+            self.skipTest("namespaces are not allowed here")
+        terminal = self.launch(own_master=True, inside=inside, followers=2, steps=5, realizations=10)
+        terminal.wait()
+        self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
 
 
 class Live(LaunchTest):

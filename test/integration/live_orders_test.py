@@ -173,6 +173,8 @@ class Changes(Orders):
         # rospy would lose a topic that is withdrawn and advertised again.
         self.assertEqual([topic.connections() for topic in (snapshots, statistics)], connections)
         terminal.interrupt()
+        live_platoon.wait_for(lambda: "not complete: the run is endless and was stopped" in terminal.text(), "the result")
+        self.assertIn(self.output + "-run2: not complete: the run is endless and was stopped", terminal.text())
         self.assertGreater(unstable.variance[-1], 3.0 * stable.variance[-1])
         # Each run has its own folder.
         for folder, headway in ((self.output, 3.2), (self.output + "-run2", 2.4)):

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <filesystem>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace platoon {
@@ -28,8 +30,10 @@ struct BagSource {
   bool unverified = false;
 };
 
-/// The file names in a text, separated by spaces.
+/// The file names in a text, separated by spaces; or the one file of this name, which may have spaces.
 inline std::vector<std::string> bag_files(const std::string& text) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(text, ignored)) return {text};
   std::istringstream stream(text);
   return {std::istream_iterator<std::string>(stream), {}};
 }

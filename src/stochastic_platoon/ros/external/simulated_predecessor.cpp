@@ -132,6 +132,7 @@ double SimulatedPredecessor::position_of(std::size_t source, std::int64_t step, 
 void SimulatedPredecessor::wait_for_answer(std::int64_t step) {
   while (answered_ < step) {
     const std::optional<PositionEvent> answer = next(patience_);
+    if (!answer && !ros::ok()) throw std::runtime_error("interrupted: no verdict");
     if (!answer) {
       throw BrokenClause(tested_.value_or(Clause::answer),
                          here(answered_ + 1) + formatted(": no answer within %g s", patience_));

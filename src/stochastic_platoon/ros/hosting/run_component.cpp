@@ -37,7 +37,8 @@ namespace {
 void end_with_launch() {
   if (std::getenv(kEndsWithLaunch) == nullptr) return;
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (::getppid() == 1) ::raise(SIGTERM);  // it has ended already
+  // It has ended already, unless roslaunch is process 1, as in a container.
+  if (::getppid() == 1 && roslaunch_process() == 0) ::raise(SIGTERM);
 }
 
 // Executes the program again if the node got the address of its killed predecessor, which happens about once in ten

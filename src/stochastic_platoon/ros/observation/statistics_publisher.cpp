@@ -4,6 +4,7 @@
 #include <stochastic_platoon/ErrorStatistics.h>
 #include <stochastic_platoon/Overview.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
@@ -43,7 +44,8 @@ StatisticsPublisher::StatisticsPublisher(ros::NodeHandle platoon, const Configur
     : run_(configuration.run),
       prediction_(prediction),
       identity_(run),
-      error_statistics_(advertise_kept<ErrorStatistics>(platoon, kErrorStatisticsTopic, 1000, true)),
+      error_statistics_(advertise_kept<ErrorStatistics>(
+          platoon, kErrorStatisticsTopic, static_cast<std::uint32_t>(std::max<std::int64_t>(1000, run_.steps)), true)),
       overview_(advertise_kept<Overview>(platoon, kOverviewTopic, 1, true)),
       configuration_(advertise_kept<std_msgs::String>(platoon, kConfigurationTopic, 1, true)) {
   std_msgs::String text;

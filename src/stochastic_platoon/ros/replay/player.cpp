@@ -44,6 +44,11 @@ Player::Player(ros::NodeHandle platoon, ros::NodeHandle private_node, const Conf
   for (const std::size_t i : measured_followers(configuration))
     played_[{PlatoonTopic::Kind::input, i}] = platoon.advertise<Position>(input_topic(i), kUnboundedQueue);
   if (upcoming_) first_stamp_ = upcoming_->position()->header.stamp;
+  if (const std::uint64_t first = upcoming_ ? upcoming_->position()->first_realization : 0; first > 0) {
+    throw BagError(
+        options_.bags.files.front() + ": begins with realization " + std::to_string(first) +
+        ", as that of a resumed run, or without the first part: must begin with realization 0 to be replayed into a monitor (bag_statistics reads it)");
+  }
   const boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)> set_paused =
       [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
         if (began_ && paused_at_ && !request.data) *began_ += now() - *paused_at_;
@@ -77,6 +82,7 @@ void Player::receive(const Progress::ConstPtr& message) {
   reported_attempt_ = message->attempt;
   if (acknowledged != acknowledged_) {
     is_behind_ = acknowledged < acknowledged_;
+    granted_ = 0;
     last_progress_ = now();
   }
   if (report.first_realization > committed_) repetitions_ = 0;
@@ -91,14 +97,19 @@ double Player::since_first(const Position& message) const {
   return message.header.stamp.toSec() - first_stamp_.toSec();
 }
 
-// Exceeds the window only if the monitor makes no progress: abandoned attempts of the recording cannot complete.
-bool Player::may_publish(const Position& message) const {
+// Exceeds the window, by another one at a time, only where the monitor may wait in vain: the attempts that a plain
+// `rosbag record` or an endless recording holds besides the last one cannot complete.
+bool Player::may_publish(const Position& message) {
   if (options_.rate > 0.0) {
     const double due = since_first(message) - options_.start;
     if (now() - *began_ < due / options_.rate) return false;
   }
-  return steps_covered(schedule_, 0, id_of(message)) <= acknowledged_ + window_ ||
-         now() - last_progress_ > kMonitorPatience;
+  const std::int64_t steps = steps_covered(schedule_, 0, id_of(message));
+  if (steps <= std::max(acknowledged_, granted_) + window_) return true;
+  if (!options_.bags.unverified && !schedule_.endless()) return false;
+  if (now() - std::max(last_progress_, last_published_) <= kMonitorPatience) return false;
+  granted_ = steps;
+  return true;
 }
 
 void Player::play() {
@@ -108,8 +119,7 @@ void Player::play() {
   while (upcoming_ && may_publish(*upcoming_->position())) {
     const auto played = played_.find({upcoming_->topic.kind, upcoming_->topic.vehicle});
     const Position::Ptr position = upcoming_->position();
-    const bool left_out =
-        (options_.start > 0.0 && since_first(*position) < options_.start) || position->first_realization < resumes_at_;
+    const bool left_out = position->first_realization < resumes_at_;
     reading_->take(*upcoming_);
     upcoming_ = next();
     if (!upcoming_) require_as_recorded();
@@ -125,10 +135,11 @@ void Player::play() {
 // Whether the monitor needs messages again. The attempts that a plain `rosbag record` has abandoned look like losses
 // until all of it is played.
 bool Player::is_lost() const {
-  if (schedule_.endless() || options_.start > 0.0 || schedule_.is_complete(committed_)) return false;
+  if (schedule_.endless() || schedule_.is_complete(committed_)) return false;
   const double waited_since = now() - kMonitorPatience * std::pow(1.5, repetitions_);
   if (last_progress_ > waited_since) return false;
-  return (is_behind_ && !options_.bags.unverified) || (!upcoming_ && last_published_ <= waited_since);
+  if (!options_.bags.unverified && is_behind_) return true;
+  return (!options_.bags.unverified || !upcoming_) && last_published_ <= waited_since;
 }
 
 void Player::begin_again() {
@@ -137,6 +148,7 @@ void Player::begin_again() {
                    std::to_string(committed_) + " in " + std::to_string(kMostRepetitions) + " repetitions");
   }
   is_behind_ = false;
+  granted_ = 0;
   resumes_at_ = committed_;
   stream_.emplace(options_.bags, is_played);
   reading_.emplace(recorded_platoon(options_.bags));

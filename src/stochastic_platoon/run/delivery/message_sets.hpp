@@ -16,7 +16,15 @@ class MessageSets {
 public:
   explicit MessageSets(std::size_t topics) : waiting_(topics) {}
 
-  void add(std::size_t topic, const Pointer& message) { waiting_[topic].push_back(message); }
+  void add(std::size_t topic, const Pointer& message) {
+    // Where another topic is silent, each attempt would leave its messages: those of the latest two suffice.
+    std::deque<Pointer>& messages = waiting_[topic];
+    if (!messages.empty() && messages.back()->run == message->run && messages.back()->attempt < message->attempt) {
+      const auto kept = messages.back()->attempt;
+      while (messages.front()->run == message->run && messages.front()->attempt < kept) messages.pop_front();
+    }
+    messages.push_back(message);
+  }
 
   /// Calls visit(set) with every complete set, one message per topic in their order. `run`: the present run.
   template <class Visit>

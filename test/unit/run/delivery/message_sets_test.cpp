@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -54,6 +55,22 @@ TEST(MessageSets, ConsistOfOneMessageForOneTopic) {
   sets.add(0, message(1, 1, -1));
   sets.add(0, message(1, 2, -1));
   EXPECT_EQ(steps_of(sets, 1), (Steps{{-1}, {-1}}));
+}
+
+TEST(MessageSets, KeepTwoAttemptsWhileATopicIsSilent) {
+  MessageSets<Pointer> sets(2);
+  std::vector<std::weak_ptr<const Message>> added;
+  for (std::uint32_t attempt = 1; attempt <= 50; ++attempt) {
+    for (int step = -1; step < 3; ++step) {
+      const Pointer of = message(1, attempt, step);
+      added.emplace_back(of);
+      sets.add(0, of);
+    }
+    EXPECT_EQ(steps_of(sets, 1), Steps());
+  }
+  EXPECT_EQ(std::count_if(added.begin(), added.end(), [](const auto& of) { return !of.expired(); }), 8);
+  for (int step = -1; step < 3; ++step) sets.add(1, message(1, 50, step));
+  EXPECT_EQ(steps_of(sets, 1), (Steps{{-1, -1}, {0, 0}, {1, 1}, {2, 2}}));
 }
 
 TEST(MessageSets, OmitSingleMessagesOfAnOlderAttempt) {
