@@ -42,7 +42,9 @@ Model Model::load(const std::string& file) {
 }
 
 Model Model::parse(const std::string& text) {
-  return Model(parse_yaml(text, "model"));
+  const YAML::Node model = parse_yaml(text, "model");
+  resolve_tables(model, "");
+  return Model(model);
 }
 
 Model Model::replaced(const std::map<std::string, std::string>& changes) const {

@@ -35,7 +35,6 @@ public:
     values_.assign(rows_ * columns_, std::nan(""));
   }
 
-  // A restarted attempt sends the same values again.
   void take(const stochastic_platoon::Position& message) {
     const auto column = static_cast<std::size_t>(message.step + 1);
     if (message.step < -1 || (!grows_ && column >= columns_)) return;
@@ -45,6 +44,11 @@ public:
       if (row < rows_) values_[row * columns_ + column] = message.position[j];
     }
   }
+
+  // Of an endless run:
+  void clear() { values_.clear(); }
+  std::size_t size() const { return values_.size(); }
+  void extend_to(std::size_t size) { values_.resize(size, std::nan("")); }
 
   py::array_t<double> array() {
     const std::size_t columns = values_.size() / rows_;
@@ -95,11 +99,24 @@ std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<St
     places[parse_topic(topic_of(streams[at], configuration)).value().key()] = at;
   std::vector<StreamTable> tables(streams.size(), StreamTable(run, first, end));
   std::vector<bool> is_empty(streams.size(), true);
+  std::uint32_t attempt = 0;
   BagStream bags(source, [&](const PlatoonTopic& topic) { return places.count(topic.key()) > 0; });
   while (const std::optional<RecordedMessage> recorded = bags.next()) {
     const std::size_t at = places.at(recorded->topic.key());
-    tables[at].take(*recorded->position());
+    const auto message = recorded->position();
     is_empty[at] = false;
+    // An attempt sends the values of the one before again, but in an endless run, which begins anew.
+    if (run.steps == 0 && message->attempt < attempt) continue;
+    if (run.steps == 0 && message->attempt > attempt) {
+      for (StreamTable& table : tables) table.clear();
+    }
+    attempt = message->attempt;
+    tables[at].take(*message);
+  }
+  std::size_t longest = 0;
+  for (const StreamTable& table : tables) longest = std::max(longest, table.size());
+  if (run.steps == 0) {
+    for (StreamTable& table : tables) table.extend_to(longest);
   }
   const auto missing = static_cast<std::size_t>(std::find(is_empty.begin(), is_empty.end(), true) - is_empty.begin());
   if (missing < streams.size()) {

@@ -127,6 +127,8 @@ int monte_carlo_main(int argc, char** argv) {
     if (given.has("only") != given.has("trajectories"))
       throw platoon::ConfigurationError({std::string(given.has("only") ? "only" : "trajectories") +
                                          ": given: must be with --only and --trajectories"});
+    if (given.has("only") && given.has("shard"))
+      throw platoon::ConfigurationError({"shard: given: must be absent beside only"});
     if (given.has("only")) {
       write_trajectories(configuration, given["only"]);
       return 0;

@@ -76,13 +76,28 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
   return with(value);
 }
 
-void merge_into(const std::vector<std::string>& folders, const std::string& output) {
-  platoon::MergedShards merged = platoon::merge_shards(folders);
+// Shards have all settings but the output, and all options but the speed.
+void require_no_others(const platoon::CommandLine& given) {
+  std::vector<std::string> problems;
+  for (const auto* entries : {&given.settings, &given.options}) {
+    for (const auto& entry : *entries) {
+      if (entry.first != "output" && entry.first != "speed")
+        problems.push_back(entry.first + ": given: must be absent beside shards, whose own it is");
+    }
+  }
+  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+}
+
+void merge_into(const platoon::CommandLine& given) {
+  require_no_others(given);
+  const std::string& output = given.settings.at("output");
+  platoon::MergedShards merged = platoon::merge_shards(given.words);
   if (merged.run.rare.is_null())
     throw platoon::ConfigurationError({"shards of monte_carlo: must be joined by merge DIR... --output DIR"});
   platoon::RareRun run = platoon::rare_run(merged.run);
   run.configuration.run.output = output;
   run.configuration.run.launch_id.clear();
+  run.options.speed = platoon::rare_options(given.options).speed;
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run.configuration.run);
   const platoon::RareResult result = platoon::rare_result(run, merged.totals);
   platoon::write_rare(output, result);
@@ -124,7 +139,7 @@ int rare_main(int argc, char** argv) {
   try {
     if (given.settings.count("output") == 0) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     if (!given.words.empty()) {
-      merge_into(given.words, given.settings.at("output"));
+      merge_into(given);
       return 0;
     }
     platoon::Configuration configuration =

@@ -3,6 +3,7 @@
 
 import functools
 import glob
+import json
 import os
 import signal
 import subprocess
@@ -50,6 +51,37 @@ class ShardsTest(FolderTest):
 class Shards(ShardsTest):
     def shard(self, part, *words, **options):
         return self.run_tool("monte_carlo", "--shard", part, "--output", self.path(part.replace("/", "_of_")), *words, **options)
+
+    def test_shards_of_rare_are_joined_with_their_own_settings_and_any_speed(self):
+        settings = ["--model", "paper_at_rest.yaml", "--followers", "2", "--steps", "20", "--realizations", "2000"]
+        parts = [self.path("part%d" % i) for i in range(2)]
+        for i, part in enumerate(parts):
+            self.run_tool("rare", *settings, "--shard", "%d/2" % i, "--output", part)
+        joined, whole = self.path("joined"), self.path("whole")
+        complained = self.run_tool("rare", *parts, "--output", joined, "--below", "3", "--seed", "2", status=1)
+        for name in ("below", "seed"):
+            self.assertIn(name + ": given: must be absent beside shards, whose own it is", complained)
+        self.assertFalse(os.path.exists(os.path.join(joined, "rare.csv")))
+        self.run_tool("rare", *parts, "--output", joined, "--speed", "25")
+        self.run_tool("rare", *settings, "--output", whole, "--speed", "25")
+        with open(os.path.join(joined, "rare.csv")) as one, open(os.path.join(whole, "rare.csv")) as other:
+            self.assertEqual(one.read(), other.read())
+        with open(os.path.join(joined, "rare.json")) as one, open(os.path.join(whole, "rare.json")) as other:
+            rows = json.load(one)["rows"]
+            self.assertEqual(rows, json.load(other)["rows"])
+        self.assertGreater(rows[0]["per_kilometre"], 0.0)
+        self.assertIn("shard: given: must be absent beside only",
+                      self.run_tool("monte_carlo", "--only", "1", "--trajectories", "--shard", "0/2", "--output", whole, status=1))
+
+    def test_an_estimation_whose_results_were_written_in_part_is_completed_by_the_same_command(self):
+        words = ["--model", "paper_at_rest.yaml", "--followers", "2", "--steps", "20", "--realizations", "2000", "--output", self.path("rare")]
+        obstacle = self.path("rare", "rare.csv.part")
+        os.makedirs(obstacle)
+        self.run_tool("rare", *words, status=1)
+        os.rmdir(obstacle)
+        self.assertFalse(os.path.exists(self.path("rare", "rare.csv")))
+        self.run_tool("rare", *words)
+        self.assertEqual(sorted(os.listdir(self.path("rare"))), [".lock", "rare.csv", "rare.json"])
 
     def test_a_shard_that_is_killed_again_and_again_goes_on_and_is_merged_to_the_same_bits(self):
         folder, file = self.path("1_of_3"), self.path("1_of_3", "checkpoint.cbor")

@@ -238,6 +238,19 @@ class Program(FolderTest):
         done = self.tune("minimise: limit_variance\nover: {controller/numerator/0: [100, 200]}")
         self.assertIn("over: the goal exists at no point found; nearest at controller/numerator/0", done.stderr)
 
+    def test_a_goal_of_0_has_a_report(self):
+        silent = sp.Model.load().replace(noise_variance=0.0)
+        found = sp.tune(silent, minimise="limit_variance", over={"time_headway": [2.4, 3.2], "controller/numerator/0": [0.9, 1.1]}, realizations=0)
+        self.assertEqual(found.goal, 0.0)
+        self.assertIn("Least limit_variance: 0\n", found.report)
+
+    def test_a_folder_with_one_of_the_files_takes_none(self):
+        found = sp.tune(sp.Model.load(), minimise="limit_variance", over={"time_headway": [2.6, 3.2]}, realizations=0, bound_seconds=0.0)
+        open(self.path("tune.json"), "w").close()
+        with self.assertRaisesRegex(FileExistsError, "has a tune.json already"):
+            found.save(self.folder)
+        self.assertEqual(os.listdir(self.folder), ["tune.json"])
+
     def test_the_report_says_why_there_is_no_bound(self):
         for text, reason in ((self.SMALL.replace("limit_variance", "spectral_radius"), "it exists for limit_variance, peak_gain, sensitivity_peak only, not for spectral_radius"),
                              (self.SMALL.replace("controller/numerator/0: [1.0, 2.0]", "time_headway: [3.0, 4.0]"),

@@ -86,6 +86,13 @@ class Package(unittest.TestCase):
                 self.assertEqual(foreign - packaged, set(), name + ": missing in CPACK_DEBIAN_PACKAGE_DEPENDS")
         self.assertGreater(found, 20)
 
+    def test_a_path_with_a_space_is_rejected_before_anything_is_installed_or_built(self):
+        script = 'source_folder="/tmp/my platoon"; . "{}"; platoon_install() {{ echo installs; }}; platoon_setup'.format(
+            os.path.join(PACKAGE, "launch", "setup.bash"))
+        done = subprocess.run(["bash", "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("/tmp/my platoon: must be a path without spaces", done.stderr)
+
     def test_nothing_is_newer_than_noetic_has(self):
         """CMake 3.16, Eigen 3.3.7, GCC 9, nlohmann-json 3.7.3, pybind11 2.4.3, Python 3.8."""
         read = 0

@@ -62,6 +62,10 @@ class Conduct(unittest.TestCase):
         self.assertEqual(conduct.conduct_words(later)[:28], "1 follower overlapped earlie")
         self.assertEqual(self.taken((0, 1, touching, [5.0] * 3), lengths=(0.0,) * 3)["colliding"], [])
 
+    def test_the_first_snapshot_is_news_whatever_the_cars_do(self):
+        seen = conduct.Conduct([0.0, 0.0, 0.0, 0.0], 0.1)
+        self.assertEqual([seen.take(snapshot(step)) for step in (0, 50, 100)], [True, False, False])
+
     def test_a_follower_that_drives_backwards_reverses(self):
         apart = [20.0, 10.0, 0.0]
         self.assertEqual(self.taken((0, 1, apart, [0.0, -0.05, -0.2]))["reversing"], [2])

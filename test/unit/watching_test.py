@@ -6,6 +6,8 @@ import sys
 import tracemalloc
 import unittest
 
+import stochastic_platoon as sp
+
 sys.dont_write_bytecode = True
 from watching_messages import NAN, burning_in, configuration, endless, message, overview, snapshot, table_of  # noqa: E402
 from watching import state, table  # noqa: E402
@@ -55,6 +57,17 @@ class State(unittest.TestCase):
                              "losses by the states of a chain")):
             self.state.take_configuration(configuration(channel={"loss": loss}))
             self.assertEqual(self.state.document()["link"], "additive noise, " + words)
+
+    def test_a_packet_shows_the_losses_of_its_position(self):
+        lossy = {"packet": "v2v", "delay": 2, "loss": {"probability": 0.3, "on_loss": [1.0]}}
+        inputs = [{"signal": "position", "noise_variance": 0.01, "weight": 1.0, "channel": lossy},
+                  {"signal": "input", "noise_variance": 0.02, "gain": 1.0, "channel": {"packet": "v2v", "delay": 1}}]
+        car = sp.Model.load("cacc.yaml").to_dict()
+        self.state.take_configuration(configuration(**dict(car, inputs=inputs)))
+        document = self.state.document()
+        self.assertEqual(document["link"], "hears position of the predecessor (additive noise, delay 2, loss 0.3); "
+                         "input of the predecessor (additive noise, delay 1, loss 0.3)")
+        self.assertEqual(document["loss"], 0.3)
 
     def test_missing_figures_are_null(self):
         self.state.take_overview(endless(3, 7), 0.0)

@@ -52,6 +52,9 @@ class Tuning:
     def save(self, folder: PathLike) -> None:
         """Writes tune.json and model.yaml into a new or empty folder. Raises FileExistsError if it has one of them."""
         os.makedirs(folder, exist_ok=True)
+        for name in ("model.yaml", "tune.json"):
+            if os.path.lexists(os.path.join(folder, name)):
+                raise FileExistsError("{}: has a {} already".format(folder, name))
         for name, document in (("model.yaml", self.model.to_dict()), ("tune.json", self.to_dict())):
             with open(os.path.join(folder, name), "x") as file:
                 file.write(json.dumps(document, indent=1) + "\n")
@@ -69,9 +72,11 @@ class Tuning:
             lines.append("The box binds: a smaller goal may lie beyond the end of {}".format(", ".join(ends)))
         lines += ["Sensitivity: the goal changes by {:.6g} per unit of {}".format(value, name + (" bound" if name in self.figures else ""))
                   for name, value in self.sensitivity.items()]
-        lines.append("No point of this box reaches less than {:.9g} ({:.3g} % below the goal): {}".format(
-            self.bound, 100.0 * (1.0 - self.bound / self.goal), self.bound_reason) if self.bound is not None else
-            "No lower bound: " + self.bound_reason)
+        if self.bound is None:
+            lines.append("No lower bound: " + self.bound_reason)
+        else:
+            below = " ({:.3g} % below the goal)".format(100.0 * (1.0 - self.bound / self.goal)) if self.goal else ""
+            lines.append("No point of this box reaches less than {:.9g}{}: {}".format(self.bound, below, self.bound_reason))
         if self.confirmation:
             lines.append("monte_carlo, {realizations} realizations: {verdict}".format(**self.confirmation))
         return "\n".join(lines) + "\n"

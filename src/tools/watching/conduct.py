@@ -23,7 +23,7 @@ class Conduct:
         self.reversing: List[int] = []
 
     def take(self, message: Any) -> bool:
-        """Takes a Snapshot; whether the document has changed."""
+        """Takes a Snapshot; whether it is the first one, or has changed the document."""
         known = self.document()
         position, speed = message.position, message.speed
         self.colliding = [i for i in range(1, len(position)) if position[i - 1] - position[i] < self.lengths[i - 1]]
@@ -38,7 +38,7 @@ class Conduct:
         for i, acceleration in enumerate(self.acceleration):
             if i > 0 and (self.strongest is None or abs(acceleration) > abs(self.strongest["acceleration"])):
                 self.strongest = {"acceleration": float("{:.3g}".format(acceleration)), "follower": i, "step": message.step}
-        return self.document() != known
+        return before is None or self.document() != known
 
     def document(self) -> Dict[str, Any]:
         """Followers that collide and reverse now, how many have done so, and the acceleration of the largest modulus so far."""

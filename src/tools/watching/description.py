@@ -59,7 +59,7 @@ def input_words(of: Dict[str, Any]) -> str:
 
 def link_of(model: Dict[str, Any]) -> str:
     """A text that describes the links of the default vehicle."""
-    if hears_others(model):
+    if hears_others(model) or any("weight" in of for of in model.get("inputs", [])):
         words = ["hears " + "; ".join(map(input_words, model["inputs"]))] if "inputs" in model else []
         return ", ".join(words + (["mixed string"] if model.get("vehicle_types") else []))
     words, radio = channel_words(model.get("channel", {}), "m"), radio_of(model)
@@ -86,11 +86,12 @@ def described(text: str) -> Dict[str, Any]:
     """The fields of a configuration that the page shows. Raises ValueError if another version wrote it."""
     configuration = sp.Configuration.parse(text)
     vehicle, model, run = configuration.model.vehicle(0), configuration.model.to_dict(), configuration.run
+    channels = [of.get("channel", {}) for of in [model, *model.get("inputs", [])]]
     return {"followers": run["followers"], "steps": run["steps"], "realizations_wanted": run["realizations"],
             "rate_wanted": run["rate"], "seed": run["seed"], "hosting": run["hosting"], "endless": run["steps"] == 0,
             "burn_in": run["burn_in"], "headway": vehicle.time_headway, "headway_in_seconds": in_seconds(model),
             "noise_variance": vehicle.noise_variance,
-            "loss": (radio_of(model) or model).get("channel", {}).get("loss", {}).get("probability"), "link": link_of(model),
+            "loss": vehicle.loss_probability if any("probability" in of.get("loss", {}) for of in channels) else None, "link": link_of(model),
             "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,
             "manoeuvres": configuration.model.manoeuvres(), "fastest_car": FASTEST_CAR,
             "vehicle_lengths": lengths_of(configuration.model, "vehicle_types" in model, run["followers"]),

@@ -89,6 +89,9 @@ void share_losses(Section& section, VehicleModel& vehicle) {
       section.reject("inputs", "different losses in packet " + inputs[n].packet,
                      "one loss per packet, at the first of its inputs");
     }
+    if (inputs[n].signal == InputSignal::position && inputs[n].link.loses() && inputs[n].link.loss->predictor.empty())
+      section.reject("inputs", "on_loss zero of packet " + inputs[n].packet + ", which holds a position",
+                     "hold, extrapolate or a list of weights: a lost position is none at 0 m");
   }
 }
 

@@ -79,8 +79,9 @@ const char* to_string(Hosting hosting) {
 
 std::int64_t chosen_steps(const RunOptions& options, double sample_period, double seconds) {
   const auto followers = static_cast<double>(options.followers),
-             realizations = static_cast<double>(options.realizations);
-  const double most = std::min({1e4, static_cast<double>(kMaxCells) / followers,
+             realizations = static_cast<double>(options.realizations),
+             kinds = static_cast<double>(1 + options.signals.size());
+  const double most = std::min({1e4, static_cast<double>(kMaxCells) / followers / kinds,
                                 static_cast<double>(kMaxPositions) / 2.0 / realizations / (followers + 1.0)});
   const double steps = std::min(std::round(seconds / sample_period), most);
   return std::max(kFewestChosenSteps, static_cast<std::int64_t>(steps));

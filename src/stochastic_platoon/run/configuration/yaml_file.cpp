@@ -11,19 +11,47 @@ namespace platoon {
 
 namespace {
 
-/// Remembers where a document starts.
+/// Remembers where a document starts, and whether one has an alias.
 class DocumentStart : public YAML::EventHandler {
 public:
   int line = 0;  ///< from 0
+  bool has_alias = false;
   void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override { has_alias = true; }
   void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
   void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
   void OnSequenceEnd() override {}
   void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
   void OnMapEnd() override {}
+};
+
+/// Copies nodes so that an alias has a value of its own: an override of one place must not change others.
+class Unshared {
+public:
+  explicit Unshared(const std::string& name) : name_(name) {}
+
+  YAML::Node operator()(const YAML::Node& node, int depth = 0) {
+    constexpr std::size_t kMost = 100000;
+    constexpr int kDeepest = 100;  // an alias may stand for a mapping that contains it
+    if (++values_ > kMost || depth > kDeepest)
+      throw ConfigurationError({name_ + ": aliases stand for more than " + std::to_string(kMost) + " values or " +
+                                std::to_string(kDeepest) + " levels: must be fewer"});
+    if (!node.IsMap() && !node.IsSequence()) return YAML::Clone(node);
+    YAML::Node copy(node.Type());
+    for (const auto& entry : node) {
+      if (node.IsMap())
+        copy.force_insert(YAML::Clone(entry.first), (*this)(entry.second, depth + 1));
+      else
+        copy.push_back((*this)(entry, depth + 1));
+    }
+    return copy;
+  }
+
+private:
+  const std::string& name_;
+  std::size_t values_ = 0;
 };
 
 }  // namespace
@@ -39,7 +67,7 @@ YAML::Node parse_yaml(const std::string& text, const std::string& name) {
     if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
       throw ConfigurationError(
           {name + ": several documents, one from line " + std::to_string(start.line + 1) + " on: must be one"});
-    return document;
+    return start.has_alias ? Unshared(name)(document) : document;
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({name + ": must be YAML: " + error.what()});
   }

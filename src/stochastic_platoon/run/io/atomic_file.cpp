@@ -68,7 +68,7 @@ void rename_and_sync(const std::string& file, const std::string& name) {
 
 }  // namespace
 
-void write_atomically(const std::string& file, const std::string& content) {
+void write_atomically(const std::string& file, const std::string& content, const std::string& previous) {
   require_replaceable(file);
   const std::string beside = file + ".part";
   require_replaceable(beside);
@@ -76,6 +76,7 @@ void write_atomically(const std::string& file, const std::string& content) {
   try {
     written.write(content);
     if (!written.sync()) fail(beside);
+    if (!previous.empty() && std::rename(file.c_str(), previous.c_str()) != 0 && errno != ENOENT) fail(previous);
     rename_and_sync(beside, file);
   } catch (...) {
     ::unlink(beside.c_str());

@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/report/age_analysis.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -45,7 +46,12 @@ nlohmann::json ages_to_json(const PlatoonModel& model, std::size_t followers) {
     nlohmann::json own = nlohmann::json::array();
     for (const Input& input : of.inputs) own.push_back(probabilities_of(input.link));
     ages["position"].push_back(own[static_cast<std::size_t>(&of.position() - of.inputs.data())]);
-    if (ages.contains("input")) ages["input"].push_back(of.radio() != nullptr ? own.back() : nlohmann::json());
+    if (ages.contains("input")) {
+      const auto radio = std::find_if(of.inputs.begin(), of.inputs.end(),
+                                      [](const Input& input) { return input.signal == InputSignal::input; });
+      const bool is_there = radio != of.inputs.end();
+      ages["input"].push_back(is_there ? own[static_cast<std::size_t>(radio - of.inputs.begin())] : nlohmann::json());
+    }
     ages["inputs"].push_back(std::move(own));
   }
   return ages;

@@ -187,10 +187,14 @@ void write_checkpoint(const std::string& output, const Checkpoint& checkpoint) {
   if (!checkpoint.shard.is_null()) document["shard"] = checkpoint.shard;
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(document);
   const std::string content(bytes.begin(), bytes.end());
-  const std::string file = checkpoint_file(output);
-  // Between the rename and the write there is no latest file; the previous one is then read.
-  if (may_exist(file)) std::filesystem::rename(file, previous_checkpoint_file(output));
-  write_atomically(file, descriptor_of(content) + content);
+  // Between two renames there is no latest file; the previous one is then read.
+  write_atomically(checkpoint_file(output), descriptor_of(content) + content, previous_checkpoint_file(output));
+}
+
+void remove_checkpoints(const std::string& output) {
+  std::error_code ignored;
+  std::filesystem::remove(checkpoint_file(output), ignored);
+  std::filesystem::remove(previous_checkpoint_file(output), ignored);
 }
 
 namespace {

@@ -33,6 +33,9 @@ std::string extent_of(const Checkpoint& checkpoint);
 std::string checkpoint_file(const std::string& output);
 std::string previous_checkpoint_file(const std::string& output);
 
+/// Removes both.
+void remove_checkpoints(const std::string& output);
+
 /// Writes a line with the format, a line with the digest of the rest, and CBOR (RFC 8949), in which doubles keep their
 /// bits. The write is atomic and keeps the previous checkpoint. Throws std::runtime_error.
 void write_checkpoint(const std::string& output, const Checkpoint& checkpoint);

@@ -201,7 +201,8 @@ std::string amplification_report(const Configuration& configuration, const Predi
       result.realizations < 2 ? "one realization does not show how much is noise" : "noise hides it";
   std::string text = amplification_line(of_run, configuration.run.burn_in, hidden);
   const bool leader_moves = of_run.front().rms_mean_speed != 0.0;
-  if (leader_moves && !of_theory.empty()) text += " (theory: " + largest_and_tail(of_theory) + ")";
+  const std::string known = leader_moves && !of_theory.empty() ? largest_and_tail(of_theory) : "";
+  if (!known.empty()) text += " (theory: " + known + ")";
   return text + "\n";
 }
 
@@ -247,10 +248,9 @@ std::string signals_report(const Configuration& configuration, const Prediction&
     const std::size_t last = cell(run.followers, run.steps - 1, run.steps);
     const Moments& of = result.signals[s][last];
     const char* const unit = unit_of(run.signals[s]);
-    text += formatted("%s of follower %zu at %s: mean %.6g %s, standard deviation %.6g %s",
-                      in_words(run.signals[s]).c_str(), run.followers,
-                      time_of_step(run.steps - 1, configuration.model).c_str(), of.mean, unit, std::sqrt(of.variance()),
-                      unit);
+    text += formatted("%s of follower %zu at %s: mean %.6g %s", in_words(run.signals[s]).c_str(), run.followers,
+                      time_of_step(run.steps - 1, configuration.model).c_str(), of.mean, unit);
+    if (of.count > 1) text += formatted(", standard deviation %.6g %s", std::sqrt(of.variance()), unit);
     if (has_signal_theory(prediction, run.followers))
       text += formatted(" (theory %.6g, %.6g)", prediction.signals[s].mean[last],
                         std::sqrt(prediction.signals[s].variance[last]));

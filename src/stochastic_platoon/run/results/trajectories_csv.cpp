@@ -42,12 +42,16 @@ TrajectoryColumns trajectory_columns(const Configuration& configuration, std::ui
     columns.seconds.push_back(*number_in(formatted("%.10g", second)));
   }
   std::vector<std::string> names;
-  for (const char* name : {"position", "received_position", "input", "received_input", "tracking_error"})
+  const auto add_column = [&columns, size](const std::string& name) {
+    check_interruption();
     columns.quantities.emplace_back(name, std::vector<double>(size, kNaN));
+  };
+  for (const char* name : {"position", "received_position", "input", "received_input", "tracking_error"})
+    add_column(name);
   for (const SignalKind& kind : signal_kinds()) {
     if (std::string(kind.name) == kInput) continue;  // has its column already
     names.emplace_back(kind.name);
-    columns.quantities.emplace_back(kind.name, std::vector<double>(size, kNaN));
+    add_column(kind.name);
   }
   std::size_t begin = 0, vehicle_index = 0;
   const auto add = [&](const std::string& name, const std::vector<double>& values, std::size_t first) {
@@ -79,6 +83,7 @@ std::string trajectories_csv(const Configuration& configuration, std::uint64_t r
   csv.end_row();
   const std::size_t steps = columns.seconds.size();
   for (std::size_t row = 0; row < (configuration.run.followers + 1) * steps; ++row) {
+    check_interruption();
     csv.add(row / steps, static_cast<std::int64_t>(row % steps) - 1, formatted("%.10g", columns.seconds[row % steps]));
     for (const auto& quantity : columns.quantities) {
       const double value = quantity.second[row];

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -176,18 +175,20 @@ double required_value(const RareRequirement& requirement, double start,
   };
   constexpr double kFactor = 1.5, kMost = 100.0;
   double low = start, high = start;
-  if (excess(start) > 0.0) {
-    while (high < kMost * start && excess(high *= kFactor) > 0.0) low = high;
-  } else {
-    while (low > start / kMost && excess(low /= kFactor) <= 0.0) high = low;
-  }
-  if (low <= start / kMost)
-    throw ConfigurationError({formatted("required: %g: satisfied by every %s from %g to %g: must be smaller",
-                                        requirement.probability, requirement.over.c_str(), low, start)});
-  if (high >= kMost * start)
+  const bool grows = excess(start) > 0.0;
+  while (grows && excess(high *= kFactor) > 0.0) {
+    low = high;
+    if (high < kMost * start) continue;
     throw ConfigurationError({formatted("required: %g: not reached by %s from %g to %g: must be another value",
                                         requirement.probability, requirement.over.c_str(), start, high) +
                               problem});
+  }
+  while (!grows && excess(low /= kFactor) <= 0.0) {
+    high = low;
+    if (low > start / kMost) continue;
+    throw ConfigurationError({formatted("required: %g: satisfied by every %s from %g to %g: must be smaller",
+                                        requirement.probability, requirement.over.c_str(), low, start)});
+  }
   while (high - low > 1e-3 * high) {
     const double middle = 0.5 * (low + high);
     (excess(middle) > 0.0 ? low : high) = middle;
@@ -211,6 +212,9 @@ RareReplay rare_replay(const RareRun& run, const std::string& vehicle, const std
   if (!only.empty())
     sample = static_cast<std::uint64_t>(integer_of("only", only, 0, static_cast<std::int64_t>(run.samples()) - 1));
   RareReplay replay{run.options.method == kCondition ? sample.value_or(0) : 0, run.estimator->replay(row, sample)};
+  if (replay.changes == nullptr && run.options.method == kCondition)
+    throw ConfigurationError(
+        {formatted("below: %g: of probability 0 here: must be larger, or another vehicle", run.options.below)});
   if (replay.changes == nullptr)
     throw ConfigurationError({"only: " + (only.empty() ? "(empty)" : only) +
                               ": no path of this repetition reaches the last level: must be another one"});
@@ -219,7 +223,8 @@ RareReplay rare_replay(const RareRun& run, const std::string& vehicle, const std
 
 void write_rare(const std::string& output, const RareResult& result) {
   require_no_rare_results(output);
-  for (const auto& [name, content] : result.files) write_atomically(output + "/" + name, content);
+  // Results without rare.csv are incomplete, and the same command writes them.
+  for (const char* name : {"rare.json", "rare.csv"}) write_atomically(output + "/" + name, result.files.at(name));
 }
 
 RareResult compute_rare(RareRun run, const ShardSettings& settings) {
@@ -245,9 +250,7 @@ RareResult compute_rare(RareRun run, const ShardSettings& settings) {
   RareResult result = rare_result(run, computed.checkpoint.totals);
   if (result.samples < run.samples()) return result;  // its checkpoint continues it
   write_rare(output, result);
-  std::error_code ignored;
-  std::filesystem::remove(checkpoint_file(output), ignored);
-  std::filesystem::remove(previous_checkpoint_file(output), ignored);
+  remove_checkpoints(output);
   return result;
 }
 

@@ -144,7 +144,14 @@ void write_sweep(const Sweep& sweep, const std::string& output) {
     if (!rows) throw std::runtime_error(damage.empty() ? point_file(output, point) + ": is gone" : damage);
     text += *rows;
   }
-  write_atomically(output + "/sweep.csv", text);
+  const std::string file = output + "/sweep.csv";
+  if (may_exist(file)) {
+    const std::string old = read_file(file, kMostWrittenBytes);
+    if (text.compare(0, old.size(), old) != 0)
+      throw ConfigurationError(
+          {"output: " + file + ": holds rows of another sweep, which are never overwritten: must be another folder"});
+  }
+  write_atomically(file, text);
 }
 
 }  // namespace platoon

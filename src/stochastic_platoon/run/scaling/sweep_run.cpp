@@ -155,9 +155,13 @@ void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points, 
     const Configuration configuration = sweep.configuration(point);
     try {
       const MergedRun merged = merge(folders);
-      const std::string differing =
-          identity_differences(statistics_identity(merged.configuration), statistics_identity(configuration));
-      if (!differing.empty() || merged.result.realizations != configuration.run.realizations) {
+      const auto identity_of = [](const Configuration& of) {
+        nlohmann::json identity = statistics_identity(of);
+        identity["realizations"] = of.run.realizations;
+        return identity;
+      };
+      const std::string differing = identity_differences(identity_of(merged.configuration), identity_of(configuration));
+      if (!differing.empty()) {
         throw ConfigurationError({folders.front() + ": is of another sweep than point " + std::to_string(point) + " (" +
                                   sweep.name_of(point) + ") of this one: " + differing});
       }

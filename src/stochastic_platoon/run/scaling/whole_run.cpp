@@ -1,6 +1,5 @@
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
 
-#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -57,9 +56,7 @@ WholeRun compute_run(Configuration configuration, const ShardSettings& settings)
     return run;
   }
   if (!run.result.complete) return run;  // its checkpoint stays beside the results
-  std::error_code ignored;
-  std::filesystem::remove(checkpoint_file(output), ignored);
-  std::filesystem::remove(previous_checkpoint_file(output), ignored);
+  remove_checkpoints(output);
   return run;
 }
 

@@ -152,6 +152,20 @@ TEST(InputsSection, LosesByTheSettingWhatCriticalValuesVary) {
   }
 }
 
+TEST(InputsSection, RejectsAPacketThatCountsALostPositionAs0) {
+  const auto packet = [](const std::string& input) {
+    return kCarText +
+           "inputs:\n  - {signal: speed, gain: 0.3, noise_variance: 0, channel: {packet: v2v, loss: {probability: 0.1, "
+           "on_loss: zero}}}\n  - {signal: position, noise_variance: 0, channel: {" +
+           input;
+  };
+  EXPECT_TRUE(is_problem(problems_of([&] { model_of(packet("packet: v2v}}\n")); }),
+                         "inputs: on_loss zero of packet v2v, which holds a position: must be hold, extrapolate or"));
+  const std::string apart =
+      packet("delay: 1}}\n  - {signal: acceleration, gain: 0.3, noise_variance: 0, channel: {packet: v2v}}\n");
+  EXPECT_TRUE(model_of(apart).default_vehicle().inputs[2].link.loss->predictor.empty());
+}
+
 TEST(InputsSection, AcceptsARecordedLeader) {
   const std::string recorded = replaced(kCarText, "{speed: [{from_step: 0, value: 20.0}]}", "{positions: [0, 0, 0]}");
   EXPECT_EQ(problems_in(recorded + kInputs), Problems{});

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "stochastic_platoon/math/model/formation.hpp"
+#include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/run/configuration/model_text.hpp"
 #include "unit/temporary_folder.hpp"
@@ -223,6 +224,28 @@ TEST(LoadYaml, NamesAMissingFile) {
       problems_of([] { load_yaml("/no/such/model.yaml"); }),
       Problems{
           "model: /no/such/model.yaml: must be a regular file of at most 256 MB that can be read (No such file or directory)"});
+}
+
+TEST(ParseYaml, GivesEachAliasAValueOfItsOwn) {
+  YAML::Node document = parse_yaml("model: {a: &x {b: [1, 2]}, c: *x, d: &y 3, e: *y}", "model");
+  override_value(document, "a/b/0", YAML::Node(7));
+  override_value(document, "d", YAML::Node(8));
+  EXPECT_EQ(YAML::Dump(document["model"]["c"]), "b:\n  - 1\n  - 2");
+  EXPECT_EQ(document["model"]["e"].Scalar(), "3");
+  EXPECT_EQ(YAML::Dump(document["model"]["a"]), "b:\n  - 7\n  - 2");
+  EXPECT_EQ(document["model"]["d"].Scalar(), "8");
+}
+
+TEST(ParseYaml, RejectsAliasesWithoutEnd) {
+  std::string powers = "a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8]\n";
+  for (int n = 0; n < 8; ++n) {
+    const std::string last = "*a" + std::to_string(n) + ", ", next = "a" + std::to_string(n + 1);
+    powers += next + ": &" + next + " [" + last + last + last + last + last + last + last + last + "]\n";
+  }
+  for (const std::string& text : {powers, std::string("a: &x [*x]")}) {
+    EXPECT_TRUE(is_problem(problems_of([&text] { parse_yaml(text, "model"); }),
+                           "model: aliases stand for more than 100000 values or 100 levels"));
+  }
 }
 
 TEST(LoadYaml, NamesAFileThatIsNotYaml) {

@@ -208,6 +208,15 @@ RunOptions run_of(std::uint64_t realizations, std::size_t followers) {
   return options;
 }
 
+TEST(ChosenSteps, KeepTheStatisticsOfAllSignalsWithinTheirLimit) {
+  RunOptions options;
+  options.followers = 2000;
+  options.realizations = 1;
+  EXPECT_EQ(chosen_steps(options, 0.1, 220.0), 2200);
+  options.signals = {"gap", "speed", "acceleration", "jerk"};
+  EXPECT_EQ(chosen_steps(options, 0.1, 220.0), 2000) << "20000000 / 2000 / 5";
+}
+
 TEST(ChosenBatch, IsSmallerForLongerStringsAndNeverBeyondTheRealizations) {
   EXPECT_EQ(chosen_batch(run_of(1000000, 1)), 8192u);
   EXPECT_EQ(chosen_batch(run_of(1000000, 20)), 8192u);

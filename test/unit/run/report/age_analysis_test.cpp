@@ -30,6 +30,13 @@ TEST(AgeAnalysis, HasTheProbabilitiesOfEveryInput) {
       2);
   EXPECT_EQ(of_radio.at("input").at(1), radio);
   EXPECT_EQ(of_radio.at("inputs").at(1).at(1), radio);
+  const nlohmann::json of_three = ages_to_json(
+      hearing_model(
+          kRadioCar +
+          "\n  - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, loss: {probability: 0.2}}}"
+          "\n  - {signal: speed, from: leader, gain: 0.1, noise_variance: 0.04, channel: {loss: {probability: 0.05}}}"),
+      2);
+  EXPECT_EQ(of_three.at("input").at(1), radio);
   EXPECT_TRUE(ages_to_json(hearing_model(kPath), 2).is_null());
 }
 

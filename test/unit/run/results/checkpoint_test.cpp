@@ -84,6 +84,18 @@ TEST_F(CheckpointTest, IsReplacedByThePreviousOneIfItIsDamaged) {
   }
 }
 
+TEST_F(CheckpointTest, KeepsTheSoundOneWhereTheNextCannotBeWritten) {
+  write(8);
+  write(13);
+  folder_.file("checkpoint.cbor", with_flipped_bit(content(), 1000));
+  std::filesystem::create_directory(file() + ".part");
+  EXPECT_THROW(write(21), std::system_error);
+  EXPECT_EQ(read()->totals.count(), 8u);
+  std::filesystem::remove(file() + ".part");
+  write(21);
+  EXPECT_EQ(read()->totals.count(), 21u);
+}
+
 TEST_F(CheckpointTest, IsRejectedIfItIsDamagedAndThereIsNoPreviousOne) {
   write(13);
   const std::string sound = content();

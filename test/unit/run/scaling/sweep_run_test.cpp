@@ -124,6 +124,10 @@ TEST(Sweep, IsTheSameFromTheTasksOfAnArray) {
                "tasks 3,5,9-10: missing: must be computed (sbatch --array=3,5,9-10)"));
   EXPECT_EQ(missing_points(sweep, settings), (std::vector<std::uint64_t>{1, 3}));
   for (const std::uint64_t number : {3, 5, 9, 10}) task(number);
+  std::string fewer = kText;
+  fewer.replace(fewer.find("2000"), 4, "1000");
+  EXPECT_TRUE(contains(message_of<ConfigurationError>([&] { merge_points(sweep_of(fewer), {1}, settings); }),
+                       "of this one: realizations is 2000 there and 1000 here"));
   merge_points(sweep, missing_points(sweep, settings), settings);
   write_sweep(sweep, folder.path());
   EXPECT_EQ(content_of(folder / "sweep.csv"), computed(sweep, 1));
@@ -146,6 +150,25 @@ TEST(Sweep, RecomputesADamagedPointAndRejectsThoseOfAnotherSweep) {
   std::ofstream(file, std::ios::binary) << sound;
   EXPECT_EQ(missing_points(sweep, settings).size(), 3u);
   EXPECT_THROW(missing_points(sweep_of(kText + "seed: 2\n"), settings), ConfigurationError);
+}
+
+TEST(Sweep, OverwritesNoTableButToExtendIt) {
+  const std::string longer =
+                        "vary: {loss: [0, 0.1, 0.2], headway: [2.4, 3.2]}\nfollowers: 2\nsteps: 5\nrealizations: 20\n",
+                    shorter = "vary: {loss: [0, 0.1], headway: [2.4, 3.2]}\nfollowers: 2\nsteps: 5\nrealizations: 20\n";
+  const TemporaryFolder folder;
+  const auto write = [&folder](const std::string& text) {
+    const Sweep sweep = sweep_of(text);
+    const SweepSettings settings = settings_of(folder);
+    compute_points(sweep, missing_points(sweep, settings), settings);
+    write_sweep(sweep, folder.path());
+    return csv_rows(content_of(folder / "sweep.csv")).size();
+  };
+  EXPECT_EQ(write(shorter), 9u);
+  EXPECT_EQ(write(longer), 13u);
+  EXPECT_TRUE(contains(message_of<ConfigurationError>([&] { write(shorter); }),
+                       "output: " + folder.path() + "/sweep.csv: holds rows of another sweep"));
+  EXPECT_EQ(csv_rows(content_of(folder / "sweep.csv")).size(), 13u);
 }
 
 TEST(Sweep, ReportsAPointThatCannotBeRead) {
