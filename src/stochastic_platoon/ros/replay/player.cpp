@@ -104,12 +104,15 @@ bool Player::may_publish(const Position& message) {
     const double due = since_first(message) - options_.start;
     if (now() - *began_ < due / options_.rate) return false;
   }
-  const std::int64_t steps = steps_covered(schedule_, 0, id_of(message));
-  if (steps <= std::max(acknowledged_, granted_) + window_) return true;
+  if (is_within_window(message)) return true;
   if (!options_.bags.unverified && !schedule_.endless()) return false;
   if (now() - std::max(last_progress_, last_published_) <= kMonitorPatience) return false;
-  granted_ = steps;
+  granted_ = steps_covered(schedule_, 0, id_of(message));
   return true;
+}
+
+bool Player::is_within_window(const Position& message) const {
+  return steps_covered(schedule_, 0, id_of(message)) <= std::max(acknowledged_, granted_) + window_;
 }
 
 void Player::play() {
@@ -139,7 +142,8 @@ bool Player::is_lost() const {
   const double waited_since = now() - kMonitorPatience * std::pow(1.5, repetitions_);
   if (last_progress_ > waited_since) return false;
   if (!options_.bags.unverified && is_behind_) return true;
-  return (!options_.bags.unverified || !upcoming_) && last_published_ <= waited_since;
+  const bool waits = !upcoming_ || (!options_.bags.unverified && !is_within_window(*upcoming_->position()));
+  return waits && last_published_ <= waited_since;
 }
 
 void Player::begin_again() {

@@ -48,6 +48,7 @@ private:
   void begin_again();
   double since_first(const stochastic_platoon::Position& message) const;
   bool may_publish(const stochastic_platoon::Position& message);
+  bool is_within_window(const stochastic_platoon::Position& message) const;
 
   std::uint64_t run_;
   BatchSchedule schedule_;

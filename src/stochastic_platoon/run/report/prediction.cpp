@@ -6,6 +6,7 @@
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -24,6 +25,22 @@ namespace {
 
 constexpr char kNoFourthMoments[] =
     "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the means alone are judged";
+
+constexpr char kOnlyTheStart[] =
+    "losses, and a random start without noise: few realizations carry what is left of its variance, so that the means alone are judged";
+
+// Whether the start alone is random, but for losses.
+bool has_only_start(const PlatoonModel& model) {
+  const std::vector<VehicleModel> vehicles = pattern(model);
+  const auto is_random = [](const VehicleModel& of) { return of.initial_position.variance > 0.0; };
+  const auto is_quiet = [](const VehicleModel& of) {
+    return std::all_of(of.inputs.begin(), of.inputs.end(), [](const Input& input) {
+      return input.noise_variance == 0.0 && input.link.quantisation_step == 0.0;
+    });
+  };
+  return loses(model) && std::any_of(vehicles.begin(), vehicles.end(), is_random) &&
+         std::all_of(vehicles.begin(), vehicles.end(), is_quiet);
+}
 
 // Widens bounds of rounding to a nanometre, or to 1e-9 of a mean that grows: runs and chain_moments() round their means
 // in different ways, and a cell without variance, or with one that has decayed to less than rounding, has no other
@@ -136,8 +153,9 @@ Prediction theory_of(const Configuration& configuration) {
   } else {
     StringMoments moments =
         string_moments(configuration.model, run.signals, run.followers, run.steps, &prediction.fourth_cumulant);
-    if (of_chain) prediction.warning = kNoFourthMoments;
-    prediction.means_only = of_chain;
+    const bool only_start = !of_chain && has_only_start(configuration.model);
+    if (of_chain || only_start) prediction.warning = only_start ? kOnlyTheStart : kNoFourthMoments;
+    prediction.means_only = of_chain || only_start;
     if (plain) prediction.rounding = rounding_bounds(configuration.model, moments.errors);
     prediction.mean.swap(moments.errors.mean);
     prediction.variance.swap(moments.errors.variance);
