@@ -10,7 +10,7 @@ platoon_packages=(
   python3-rosbag python3-rospy python3-scipy python3-std-msgs python3-std-srvs
 )
 platoon_test_packages=(
-  catkin-lint chromium chromium-driver doxygen dpkg-dev file fonts-dejavu-core iproute2 libjs-mathjax munge parallel rviz slurm-wlm xvfb
+  catkin-lint chromium chromium-driver doxygen dpkg-dev file fonts-dejavu-core iproute2 libjs-mathjax locales munge parallel rviz slurm-wlm xvfb
   libgtest-dev librandom123-dev librostest-dev mypy python3-mpmath python3-pandas python3-rostest python3-selenium python3-yaml librosbag-dev
 )
 platoon_debian=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)

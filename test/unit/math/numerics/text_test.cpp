@@ -1,10 +1,15 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 
 #include <gtest/gtest.h>
+#include <stdlib.h>
 
 #include <clocale>
 #include <cmath>
+#include <filesystem>
+#include <string>
 #include <utility>
+
+#include "unit/temporary_folder.hpp"
 
 namespace platoon {
 namespace {
@@ -34,11 +39,23 @@ TEST(NumberIn, ReadsDecimalNumbersOnly) {
 
 // Python programs may set the user's locale, in which numbers have a comma.
 TEST(NumberIn, AndFormattedHaveAPointInEveryLocale) {
+  // Debian has the sources of all locales in its package `locales`, and none is ready for use.
+  if (!std::filesystem::exists("/usr/share/i18n/locales/de_DE"))
+    GTEST_SKIP() << "no source of a locale (package locales)";
+  const TemporaryFolder folder;
+  ASSERT_EQ(::system(("localedef -i de_DE -f UTF-8 " + folder / "de_DE.UTF-8").c_str()), 0);
+  ASSERT_EQ(::setenv("LOCPATH", folder.path().c_str(), 1), 0);
   const std::string before = std::setlocale(LC_NUMERIC, nullptr);
-  if (std::setlocale(LC_NUMERIC, "de_DE.UTF-8") == nullptr) GTEST_SKIP() << "no locale with a decimal comma";
-  EXPECT_EQ(formatted("%.1f", 0.5), "0.5");
-  EXPECT_EQ(number_in("0.5"), 0.5);
+  const bool is_set = std::setlocale(LC_NUMERIC, "de_DE.UTF-8") != nullptr;
+  const std::string point = std::localeconv()->decimal_point, text = formatted("%.1f", 0.5);
+  const auto number = number_in("0.5"), with_comma = number_in("0,5");
   std::setlocale(LC_NUMERIC, before.c_str());
+  ::unsetenv("LOCPATH");
+  EXPECT_TRUE(is_set);
+  EXPECT_EQ(point, ",");
+  EXPECT_EQ(text, "0.5");
+  EXPECT_EQ(number, 0.5);
+  EXPECT_FALSE(with_comma);
 }
 
 }  // namespace
