@@ -10,6 +10,7 @@ import subprocess
 import unittest
 
 import numpy as np
+import stochastic_platoon as sp
 import yaml
 
 import live_platoon
@@ -149,11 +150,22 @@ class Signals(LaunchTest):
                 np.array([float(row[name]) for row in rows]) for name in ("mean", "variance", "theoretical_mean", "theoretical_variance"))
             error = np.sqrt(np.maximum(expected, 1e-12) / REALIZATIONS)
             self.assertLess(np.max(abs(mean - expected_mean) / error), 5.0)
-            # A standard error of a variance is 2 % of it for normal values, and more behind losses.
-            moves = expected > 1e-9
-            self.assertGreater(np.sum(moves), 0.8 * len(rows))
-            self.assertLess(np.max(abs(variance[moves] / expected[moves] - 1.0)), 0.25)
+            self.assertLess(np.max(abs(variance - expected)[expected <= 1e-9]), 1e-6)
+            self.check_variances_behind_losses({"probability": 0.1, **({"mean_burst": burst} if burst else {})})
             self.assertEqual({row["theoretical_collision_bound"] for row in rows_of(self.path(folder), "gaps.csv")}, {""})
+
+    def check_variances_behind_losses(self, loss):
+        """No formula has the scatter of a variance behind losses: that of 32 seeds takes its place, 1 to 2 % of their mean in every cell."""
+        model, names, seeds = sp.Model.load(self.model).replace({"channel/loss": loss}), SIGNALS.split(","), 32
+        found = [sp.monte_carlo(model, signals=names, seed=seed, followers=FOLLOWERS, steps=STEPS, realizations=500).signals for seed in range(1, 1 + seeds)]
+        expected = np.array([found[0][name].theoretical_variance for name in names])
+        moves = expected > 1e-9
+        self.assertGreater(np.mean(moves), 0.8)
+        measured = np.array([[of[name].variance for name in names] for of in found])[:, moves]
+        error = measured.std(axis=0, ddof=1) / math.sqrt(seeds)
+        self.assertLess(np.max(error / expected[moves]), 0.02)
+        # Student's t with 31 degrees of freedom is beyond 6.9 in 1e-7 of cases: in 1e-4 for 1000 cells.
+        self.assertLess(np.max(abs(measured.mean(axis=0) - expected[moves]) / error), 6.9)
 
     def test_bad_input_is_named(self):
         for options, message in (
