@@ -201,15 +201,16 @@ class Rare(RareTest):
 
     @unittest.skipIf(openturns is None, "needs python3-openturns, which Debian 12 and 13 have")
     def test_agrees_with_subset_simulation_by_openturns(self):
-        for distance, channel, seeds in ((2.0, {}, 4), (2.0, LOSS, 4)):
+        for distance, channel, seeds in ((2.0, {}, 24), (2.0, LOSS, 16)):
             with self.subTest(distance=distance, channel=channel):
                 others = [self.by_openturns(distance, bool(channel), seed) for seed in range(1, seeds + 1)]
-                logarithm, scatter = np.mean(np.log(others)), np.std(np.log(others), ddof=1) / math.sqrt(seeds)
+                scatter = np.std(others, ddof=1) / math.sqrt(seeds)
                 name = "other_{}_{}".format(distance, len(channel))
                 model = self.model(name=name + ".yaml", standstill_distance=distance, channel=channel)
                 row = self.estimate(name, model, followers=1, steps=100, realizations=20000)["1"]
-                error = math.hypot(max(scatter, 0.05), row["standard_error"] / row["probability"])
-                self.assertLess(abs(math.log(row["probability"]) - logarithm), 4.0 * error, (row, others))
+                # Student's t with 15 degrees of freedom is beyond 5.2 in 1e-4 of cases. Estimates of single seeds scatter by 17 to 28 %.
+                self.assertLess(scatter, 0.06 * np.mean(others))
+                self.assert_agree(row["probability"], row["standard_error"], np.mean(others), scatter, 5.2)
 
     @staticmethod
     def by_openturns(distance, loses, seed, steps=100):
