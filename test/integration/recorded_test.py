@@ -14,7 +14,7 @@ import numpy as np
 import rosbag
 import rospy
 import yaml
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import PointStamped, TwistStamped
 from nav_msgs.msg import Odometry
 
 import link_reference
@@ -75,6 +75,20 @@ class Recorded(LaunchTest):
         self.assertIn("File exists", again.stderr)
         folder = self.monte_carlo("car", leader=table, followers=2, realizations=10)
         np.testing.assert_allclose(self.leader_of(folder), 0.5 * (0.1 * np.arange(121)) ** 2, atol=1e-6)
+
+    def test_the_only_topic_of_a_bag_is_read_by_default(self):
+        with rosbag.Bag(self.path("gps.bag"), "w") as bag:
+            for k in range(3):
+                message = TwistStamped()
+                message.header.stamp = rospy.Time(1700000000) + rospy.Duration(0.5 * k)
+                message.twist.linear.x, message.twist.linear.y, message.twist.linear.z = 3.0 * k, -4.0 * k, 100.0
+                bag.write("/gps", message, message.header.stamp)
+                bag.write("/point", PointStamped(header=message.header), message.header.stamp)
+        done = self.recorded_drive(self.path("gps.bag"), self.path("drive.csv"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout, "{}: 3 rows, 1.0 s, up to 10.0 m/s\n".format(self.path("drive.csv")))
+        with open(self.path("drive.csv")) as file:
+            self.assertEqual(file.read(), "time,speed\n0,0\n0.5,5\n1,10\n")
 
     def recorded_drive(self, bag, table, *options):
         return subprocess.run([live_platoon.shared("src", "tools", "recorded_drive"), bag, "--output", table, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
@@ -162,6 +176,29 @@ class Recorded(LaunchTest):
                     age = age + 1 if of[i, k]["received_position"] == of[i, k - 1]["received_position"] else 0
                     counted[i, age] += 1
         self.assertEqual({(i, age): count for i, age, count in rows if count > 0}, dict(counted))
+
+    def test_shares_of_ages_are_counts_over_their_sum_and_have_a_theory_unless_losses_are_recorded(self):
+        self.trace("log.csv", self.TRACE)
+        p, steps, realizations = 0.3, 59, 600  # of 60 steps the last one's messages move nobody
+        for name, loss in (("independent", {"probability": p}), ("trace", {"trace": "log.csv"})):
+            folder = self.monte_carlo(name, model=self.model_with(channel={"loss": loss}), followers=2, steps=60, realizations=realizations)
+            with open(os.path.join(folder, "ages.csv")) as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual({row["vehicle"] for row in rows}, {"1", "2"})
+            for vehicle in ("1", "2"):
+                self.assertEqual(sum(int(row["count"]) for row in rows if row["vehicle"] == vehicle), steps * realizations)
+            for row in rows:
+                self.assertAlmostEqual(float(row["share"]), int(row["count"]) / (steps * realizations), places=15)
+                if name == "trace":
+                    self.assertEqual(row["theoretical_share"], "")
+                    continue
+                age = int(row["age"])
+                # An arrival `age` steps ago and losses since, or at the step number age - 1 losses from the first step on.
+                theory = ((1 - p) * p ** age * (steps - age) + (p ** age if age > 0 else 0.0)) / steps
+                self.assertAlmostEqual(float(row["theoretical_share"]) / theory, 1.0, places=12)
+                if age == 0:
+                    self.assertAlmostEqual(float(row["theoretical_share"]), 1 - p, places=15)
+                    self.assertLess(abs(float(row["share"]) - (1 - p)), 5.0 * math.sqrt(p * (1 - p) / (steps * realizations)))
 
     # Below a gap of 2.5 m every position is lost (but for a probability of 1e-12), beyond it none: the gap one step earlier decides.
     def test_losses_follow_from_the_gap_of_the_step_before(self):
