@@ -136,6 +136,26 @@ class Estimations(RareTest):
         with self.assertRaisesRegex(ValueError, "below: 9 m: must be below the mean gap"):
             sp.rare(sp.Model.load(file), below=9.0)
 
+    def test_with_a_flipped_bit_are_rejected(self):
+        self.estimate("flipped", self.model(standstill_distance=3.0), followers=3, steps=60, realizations=500)
+        self.assertEqual(sp.Rare.load(self.path("flipped")).followers, 3)
+        believed = []
+        for name in ("rare.csv", "rare.json"):
+            with open(self.path("flipped", name), "rb") as file:
+                whole = file.read()
+            for at in range(0, len(whole), 7):
+                with open(self.path("flipped", name), "wb") as file:
+                    file.write(whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1:])
+                try:
+                    sp.Rare.load(self.path("flipped"))
+                    believed.append("bit {} of byte {} of {}: {}".format(at % 8, at, name, whole[max(at - 20, 0):at + 20]))
+                except ValueError:
+                    pass
+            with open(self.path("flipped", name), "wb") as file:
+                file.write(whole)
+        self.assertEqual(believed, [])
+        sp.Rare.load(self.path("flipped"))
+
     def test_are_drawn(self):
         folders = []
         for distance in (2.0, 3.0):
