@@ -33,11 +33,11 @@ class Car(ExternalTest):
     START = 123.0  # [m] of the car, in the frame of its odometry
     HEADWAY = 3.2
 
-    def recorded(self, bag, topic):
+    def recorded(self, bag, topic, steps=STEPS):
         """The position at each step, in order (one realization)."""
         with rosbag.Bag(bag) as opened:
             found = {message.step: message.position for _, message, _ in opened.read_messages(["/platoon/" + topic])}
-        self.assertEqual(sorted(found), list(range(-1, self.STEPS)))
+        self.assertEqual(sorted(found), list(range(-1, steps)))
         return [found[step][0] for step in sorted(found)]
 
     def test_a_car_that_has_never_heard_of_positions_drives_as_vehicle_2_of_4(self):
@@ -73,11 +73,23 @@ class Car(ExternalTest):
         self.assertGreater(float(said[-1]["largest latency [s]"]), 0.0)
         self.assertGreaterEqual(int(said[-1]["missed ticks"]), 0)
 
-    def check_what_passes(self, log, own, received):
+    def test_its_place_in_the_frame_of_its_odometry_may_be_given(self):
+        origin, steps, log, bag = 125.0, 100, self.path("car"), self.path("run.bag")
+        model = self.model_with(sample_period=0.02, noise_variance=0.0001, leader="{{speed: [{{from_step: 0, value: {}}}]}}".format(self.SPEED))
+        terminal = self.launch(followers=2, external=2, realizations=1, steps=steps, model=model, rate=50, stall_timeout=0, record=bag)
+        self.start(os.path.join(HERE, "car.py"), log, "__ns:=/car")
+        self.start(live_platoon.shared("src", "tools", "odometry_vehicle"), "_index:=2", "_origin:={}".format(origin), "~odometry:=/car/odom",
+                   "~reference:=/car/reference")
+        self.completed(terminal)
+        own, received = (self.recorded(bag, topic, steps) for topic in ("vehicle_2/position", "vehicle_2/predecessor_position"))
+        self.assertEqual(own[0], self.START - origin, "the car stands until it gets a reference")
+        self.check_what_passes(log, own, received, origin)
+
+    def check_what_passes(self, log, own, received, origin=START):
         """Checks that the platoon received positions that the car reported, in order, and the car references from the platoon."""
         with open(log) as file:
             lines = [line.split() for line in file.read().splitlines()]
-        places = [float(x) - self.START for word, x in lines if word == "at"]
+        places = [float(x) - origin for word, x in lines if word == "at"]
         at = 0
         for step, position in enumerate(own, -1):
             while at < len(places) and places[at] != position:
@@ -85,7 +97,7 @@ class Car(ExternalTest):
             self.assertLess(at, len(places), "at step {} the car was said to be at {} m, where it has not been since".format(step, position))
         references = [float(x) for word, x in lines if word == "to"]
         self.assertGreater(len(references), 0)
-        self.assertEqual(set(references) - {position + self.START for position in received}, set())
+        self.assertEqual(set(references) - {position + origin for position in received}, set())
 
     def test_a_batch_of_many_is_rejected_with_an_explanation(self):
         self.start(os.path.join(HERE, "car.py"), "__ns:=/car")
