@@ -93,6 +93,15 @@ class LaunchTest(FolderTest):
         self.addCleanup(terminal.end)
         return terminal
 
+    def listen_for_the_attempt(self, terminal):
+        """Listens for the attempt in which a realization is complete: from then on only a stall timeout begins another one."""
+        return self.background("rostopic", "echo", "-n", "1", "--filter", "m.realizations > 0", "/platoon/overview/attempt",
+                               env=live_platoon.ros_environment(terminal.master), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                               universal_newlines=True)
+
+    def attempt_heard_by(self, listener):
+        return int(listener.communicate(timeout=live_platoon.DEADLINE)[0].split()[0])
+
     def completed(self, terminal, output=None):
         """Waits for the end of a launch; returns the summary of its run, which must be complete."""
         terminal.wait()
