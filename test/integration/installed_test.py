@@ -72,12 +72,17 @@ class Installed(unittest.TestCase):
     def installed(self, command, **environment):
         return run(". install/setup.bash; " + command, self.folder, self.inside, **environment)
 
-    def test_every_tool_runs(self):
-        for tool in ("analyze", "bag_statistics", "check", "check_vehicle", "configure", "export", "merge", "monte_carlo", "plot", "recorded_drive",
-                     "report", "sweep", "tune", "watch"):
-            self.assertIn("--version", self.installed("rosrun stochastic_platoon {} --help".format(tool)))
-            self.assertRegex(self.installed("rosrun stochastic_platoon {} --version".format(tool)),
-                             r"^stochastic_platoon [0-9.]+\n$")
+    def test_every_program_is_installed_and_runs(self):
+        programs = set(live_platoon.TOOLS + live_platoon.NODES + live_platoon.SCRIPTS)
+        of_launch = {"isolated", "shards.sbatch"}  # scripts for bash and Slurm, which know no such options
+        self.assertEqual(live_platoon.programs_in(os.path.join(self.folder, "install", "lib", "stochastic_platoon")), programs | of_launch)
+        each = "for tool in {}; do {{}} rosrun stochastic_platoon $tool {{}} || exit; done".format(" ".join(sorted(programs)))
+        versions = self.installed(each.format("", "--version")).splitlines()
+        self.assertEqual(len(versions), len(programs), versions)
+        self.assertEqual(len(set(versions)), 1, versions)
+        self.assertRegex(versions[0], "^stochastic_platoon [0-9.]+$")
+        for said in self.installed(each.format("echo @of $tool;", "--help")).split("@of ")[1:]:
+            self.assertIn("--version", said)
 
     def test_the_theory_is_that_of_the_installed_model_file(self):
         report = self.installed("rosrun stochastic_platoon analyze --json analysis.json")

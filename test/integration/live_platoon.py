@@ -20,6 +20,10 @@ PATIENCE = 5.0 if SANITIZED else 1.0
 # Most attempts of a start that nothing disturbs: a scheduling gap longer than the timeout of an attempt's first step, 0.1 s and 0.01 s
 # per follower, begins another one. In a sanitized build that step may take longer than the stall timeout.
 UNDISTURBED = 5 if SANITIZED else 3
+# The package's programs: without ROS or a master, nodes, and those in Python. tools_test.py checks that none is missing.
+TOOLS = ["analyze", "bag_statistics", "check", "check_vehicle", "configure", "merge", "monte_carlo", "rare", "sweep"]
+NODES = ["channel", "follower", "leader", "markers", "monitor", "platoon", "player", "until_complete", "vehicle_replay"]
+SCRIPTS = ["dashboard", "export", "odometry_vehicle", "plot", "recorded_drive", "report", "tune", "watch"]
 RESERVED = []  # sockets of free_port()
 DEADLINE = 150.0  # [s] for a run to complete on a busy machine
 
@@ -111,6 +115,12 @@ def system_executable(package, name):
     found = subprocess.run(["catkin_find", "--libexec", package, name], stdout=subprocess.PIPE, universal_newlines=True)
     paths = [path for path in found.stdout.split() if os.access(path, os.X_OK)]
     return paths[0] if paths else "/usr/lib/{}/{}".format(package, name)
+
+
+def programs_in(folder):
+    """Names of the programs in a folder, without the examples in Python."""
+    return {name for name in os.listdir(folder) if os.path.isfile(os.path.join(folder, name)) and os.access(os.path.join(folder, name), os.X_OK)
+            and not name.endswith(".py")}
 
 
 def shared(*parts):

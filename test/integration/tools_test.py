@@ -3,16 +3,14 @@
 
 import hashlib
 import os
+import pathlib
 import subprocess
 import tempfile
 import unittest
 
 import live_platoon
 from folder import FolderTest
-
-TOOLS = ["analyze", "bag_statistics", "check", "check_vehicle", "configure", "merge", "monte_carlo", "sweep"]
-NODES = ["channel", "follower", "leader", "markers", "monitor", "platoon", "player", "until_complete", "vehicle_replay"]
-SCRIPTS = ["dashboard", "export", "odometry_vehicle", "plot", "recorded_drive", "report", "tune", "watch"]
+from live_platoon import NODES, SCRIPTS, TOOLS
 
 
 def run(*command):
@@ -25,6 +23,13 @@ def run(*command):
 class EveryTool(unittest.TestCase):
     def programs(self):
         return [live_platoon.executable(tool) for tool in TOOLS + NODES] + [live_platoon.shared("src", "tools", tool) for tool in SCRIPTS]
+
+    def test_is_listed(self):
+        """What the tests of this class check must hold for a new program, too."""
+        benchmarks = {file.stem for file in pathlib.Path(__file__).resolve().parents[1].glob("benchmark/*.cpp")}
+        built = live_platoon.programs_in(os.path.dirname(live_platoon.executable("analyze")))
+        self.assertEqual(built - benchmarks - set(SCRIPTS), set(TOOLS + NODES))
+        self.assertEqual(live_platoon.programs_in(live_platoon.shared("src", "tools")), set(SCRIPTS))
 
     def test_prints_the_version_of_the_package(self):
         version = run("rosversion", "stochastic_platoon").stdout.strip()
