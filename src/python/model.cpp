@@ -24,7 +24,9 @@ void require_model_key(const std::string& name) {
 
 // A shipped drive by its bare name, as on the command line.
 YAML::Node value_of(const std::string& name, const std::string& text) {
-  const YAML::Node value = parse_yaml(text, name);
+  YAML::Node value = parse_yaml(text, name);
+  if (name == "leader" && value.IsMap() && value["file"] && value["file"].IsScalar())
+    value["file"] = shipped_file(value["file"].Scalar(), "config/leaders");
   const bool is_drive = (name == "leader" || name == "leader/file") && value.IsScalar();
   return is_drive ? YAML::Node(shipped_file(value.Scalar(), "config/leaders")) : value;
 }

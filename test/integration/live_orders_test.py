@@ -11,6 +11,7 @@ import unittest
 
 import rospy
 import rosservice
+import stochastic_platoon as sp
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from stochastic_platoon.msg import ErrorStatistics, Position, Progress, Snapshot
@@ -178,8 +179,9 @@ class Changes(Orders):
         self.assertGreater(unstable.variance[-1], 3.0 * stable.variance[-1])
         # Each run has its own folder.
         for folder, headway in ((self.output, 3.2), (self.output + "-run2", 2.4)):
-            summary = live_platoon.summary_of(folder)
+            summary, loaded = live_platoon.summary_of(folder), sp.Results.load(folder)
             self.assertTrue(summary["time_average"])
+            self.assertEqual((loaded.variance.shape, loaded.steps.shape), ((FOLLOWERS, 1), (1,)))
             self.assertEqual(summary["theory"]["string_stable"], headway == 3.2)
             # 2 FOLLOWERS scores; each average is worth thousands of independent errors.
             for score in summary["agreement"].values():

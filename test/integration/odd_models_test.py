@@ -78,6 +78,47 @@ class OddModels(ModuleTest):
         self.assertIsNone(results.summary["agreement"].get("max_abs_z_variance"))
         self.assertLess(results.max_abs_z, results.summary["agreement"]["plausible_z"])
 
+    def test_variances_far_behind_in_a_string_that_hears_two_ahead_tend_to_the_limit(self):
+        """A gain above 1 to the predecessor, although the string is stable: rounding must not grow by it."""
+        heard = [(signal, ahead, gain, noise) for signal, noise, gains in (("position", 0.02, (1.3, -0.3)), ("speed", 0.01, (1.0, -0.3)),
+                                                                           ("acceleration", 0.01, (1.0, -0.3)))
+                 for ahead, gain in zip(("predecessor", 2), gains)]
+        inputs = [{"signal": signal, "from": ahead, "weight" if signal == "position" else "gain": gain, "noise_variance": noise}
+                  for signal, ahead, gain, noise in heard]
+        model = sp.Model.from_dict({"sample_period": 0.1, "plant": {"actuator_lag": 0.3}, "controller": {"kp": 0.2, "kd": 1.1},
+                                    "time_headway": 10, "standstill_distance": 5.0, "inputs": inputs,
+                                    "initial_position": {"mean": 0.0, "variance": 0.0}, "leader": {"speed": [{"from_step": 0, "value": 20.0}]}})
+        found = sp.analyze(model, followers=300, steps=5)
+        self.assertTrue(found.string_stable)
+        self.assertAlmostEqual(found["stationary_variance"][-1] / found["limit_variance"], 1.0, delta=1e-6)
+
+    def test_a_type_is_judged_at_the_places_where_it_stands(self):
+        inputs = [{"signal": "position", "noise_variance": 0.02}, {"signal": "speed", "gain": 0.1, "noise_variance": 0.01}]
+        behind = {"controller": {"kp": 0.2, "kd": 0.0}, "time_headway": 3, "inputs": [{"signal": "position", "from": 2, "noise_variance": 0.02}]}
+        keys = {"sample_period": 0.1, "plant": {"actuator_lag": 0.5}, "controller": {"kp": 0.2, "kd": 0.7}, "time_headway": 10,
+                "standstill_distance": 5.0, "inputs": inputs, "initial_position": {"mean": 0.0, "variance": 0.0},
+                "leader": {"speed": [{"from_step": 0, "value": 20.0}]}, "vehicle_types": {"B": behind}}
+        self.assertLess(sp.analyze(sp.Model.from_dict(dict(keys, string=["default", "B"])), followers=2, steps=5)["spectral_radius"], 1.0)
+        self.assertRaisesText(ValueError, "vehicle_types/B: the closed loop is unstable: rho(A) = 1.00237", sp.Model.from_dict, dict(keys, string=["B", "default"]))
+
+    def test_a_map_over_headways_needs_vehicles_that_have_one(self):
+        self.assertRaisesText(ValueError, "headway: given: must be absent beside spacing: constant", sp.stability_map,
+                              sp.Model.load("path_cacc.yaml"), headway=[1.0, 20.0], loss=[0.0, 0.3])
+
+    def test_a_path_with_dots_is_the_same_figure(self):
+        limits = sp.Model.load("acc_limits.yaml")
+        of = [sp.tune(limits, minimise="linear/limit_variance", over={"controller/kp": [0.05, 1.0]}, subject_to={path: 50}, realizations=0,
+                      bound_seconds=0.0) for path in ("linear.phase_margin", "linear/phase_margin")]
+        self.assertEqual(of[0].goal, of[1].goal)
+        self.assertGreaterEqual(of[0].figures["linear/phase_margin"], 50.0 - 1e-6)
+
+    def test_points_without_a_theory_are_infeasible_for_tune(self):
+        """At 0.5 losses and arrivals alternate."""
+        lossy = sp.Model.load("lossy.yaml").replace({"channel/loss": {"probability": 0.3, "mean_burst": 1.0, "on_loss": "hold"}})
+        found = sp.tune(lossy, minimise="limit_variance", over={"channel/loss/probability": [0.1, 0.5]}, subject_to={"string_stable": True},
+                        realizations=0, bound_seconds=0.0)
+        self.assertLess(found.variables["channel/loss/probability"], 0.5)
+
     def test_a_report_has_no_number_that_is_none(self):
         one = sp.monte_carlo(PAPER, followers=2, steps=20, realizations=1, signals=["gap", "speed"]).report
         self.assertRegex(one, r"gap of follower 2 at 1.9 s \(step 19\): mean \S+ m \(theory")

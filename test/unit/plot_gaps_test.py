@@ -47,6 +47,11 @@ def smallest_gaps(followers, steps, realizations, **options):
 
 
 class Distances(unittest.TestCase):
+    def test_bins_that_are_empty_do_not_widen_the_others(self):
+        self.assertAlmostEqual(gaps.bin_width(np.array([0.9, 1.2])), 0.1)
+        self.assertAlmostEqual(gaps.bin_width(np.array([-0.4, 0.0, 0.2, 1.0])), 0.2)
+        self.assertEqual(gaps.bin_width(np.array([90.48])), 0.0)
+
     def test_of_r157_and_rss(self):
         self.assertAlmostEqual(gaps.regulation_distance(25.0), 47.5, 12)  # 1.9 s
         self.assertAlmostEqual(gaps.regulation_distance(1.0), 2.0, 12)

@@ -37,7 +37,7 @@ class Results:
         #: the report that the tools print; None for results from a folder
         self.report = report
         self._tables = tables
-        grid = Grid(self._table("statistics"), 1)
+        grid = Grid(self._table("statistics"), 1, over_time=self.time_average)
         self.steps, self.followers = grid.steps, grid.vehicles
         #: of the tracking errors
         self.errors = errors = Moments._of(grid)

@@ -63,13 +63,15 @@ class Grid:
     """The rows of a table as a grid of vehicles and steps.
 
     Raises ValueError unless there is one row for each vehicle `first`, first + 1, ... and each step; without steps one row
-    for each vehicle. Vehicle 1 must be among them. `rows`: uses only these rows of the table.
+    for each vehicle. Vehicle 1 must be among them. `rows`: uses only these rows of the table. `over_time`: one row for each vehicle,
+    whose steps may differ, as in an endless run: the least of them counts.
     """
 
-    def __init__(self, table: Table, first: int, has_steps: bool = True, rows: Optional[NDArray[np.bool_]] = None):
+    def __init__(self, table: Table, first: int, has_steps: bool = True, rows: Optional[NDArray[np.bool_]] = None,
+                 over_time: bool = False):
         self.table = table
         vehicle = table.numbers("vehicle")
-        step = table.numbers("step") if has_steps else np.zeros(vehicle.size)
+        step = table.numbers("step") if has_steps and not over_time else np.zeros(vehicle.size)
         kept = np.flatnonzero(np.ones(vehicle.size, bool) if rows is None else rows)
         self._order = kept[np.lexsort((step[kept], vehicle[kept]))]
         #: step numbers
@@ -81,6 +83,8 @@ class Grid:
             raise ValueError("{}: must hold one row for each vehicle {}..N{}; rows are missing or double".format(
                 table.path, first, " and step" if has_steps else ""))
         self._shape = (self.vehicles, self.steps.size) if has_steps else (self.vehicles,)
+        if over_time:
+            self.steps = np.array([table.numbers("step")[kept].min()])
 
     def numbers(self, name: str) -> NDArray[np.float64]:
         """A column, shape (vehicles, steps) or (vehicles,)."""

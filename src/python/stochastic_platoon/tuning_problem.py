@@ -87,10 +87,11 @@ class Constraint:
     @classmethod
     def of(cls, figure: str, condition: Condition) -> Constraint:
         """Raises ValueError unless the condition is true, false, a bound or a pair of bounds, not empty."""
+        figure = figure.replace(".", "/")
         if isinstance(condition, bool):
             return cls(figure, wanted=condition)
         try:
-            if isinstance(condition, (int, float)):
+            if isinstance(condition, (int, float, np.number)):
                 at_least = figure.split("/")[-1] in AT_LEAST
                 low, high = (float(condition), math.inf) if at_least else (-math.inf, float(condition))
             else:
@@ -245,7 +246,7 @@ class Problem:
             goal = self.value(self.minimise, model, document)
             if goal is None:
                 violation += 1.0 + self.amplification(model)
-        except ValueError:
+        except (ValueError, KeyError):  # a figure may have no theory here
             return Point(values, None, missing, 2.0 + len(missing) + self.instability(values))
         return Point(values, goal, figures, violation)
 

@@ -22,7 +22,7 @@ DEEPEST = 1e-4  # the axis of probabilities reaches this far below one realizati
 
 def quantile(gaps: sp.Gaps, share: float) -> Array:
     """Per follower the quantile [m] of the smallest gap at this share of the realizations, interpolated within a bin."""
-    width = np.diff(gaps.bins).min() if gaps.bins.size > 1 else 0.0
+    width = bin_width(gaps.bins)
     result = np.empty(gaps.count.size)
     for row, counts in enumerate(gaps.histogram):
         below = np.cumsum(counts)
@@ -30,6 +30,16 @@ def quantile(gaps: sp.Gaps, share: float) -> Array:
         inside = (share * below[-1] - (below[at] - counts[at])) / max(counts[at], 1.0)
         result[row] = gaps.bins[at] + inside * width
     return np.maximum(result, gaps.smallest_gap)
+
+
+def bin_width(bins: Array) -> float:
+    """The width [m]: only bins that hold a gap are known, so that it may be less than their least distance. All of them are multiples
+    of it, and it is 1, 2 or 5 times a power of ten."""
+    if bins.size < 2:
+        return 0.0
+    filled, most = np.abs(bins[bins != 0.0]), np.diff(bins).min() * (1.0 + 1e-9)
+    widths = sorted((factor * 10.0 ** power for power in range(-12, 7) for factor in (1.0, 2.0, 5.0)), reverse=True)
+    return next((width for width in widths if width <= most and np.allclose(np.round(filled / width) * width, filled, rtol=1e-9, atol=0.0)), 0.0)
 
 
 def interval(events: Array, count: Array) -> Tuple[Array, Array]:
@@ -144,7 +154,8 @@ def top_speed(run: sp.Results) -> float:
     if np.isnan(period):
         return period
     if "positions" in leader:
-        return float(np.diff(np.array(leader["positions"], dtype=float)).max() / period)
+        driven = np.array(leader["positions"], dtype=float)[:int(run.steps.max()) + 2]
+        return float(np.diff(driven).max() / period)
     return max([float(part["value"]) for part in leader["speed"] if part["from_step"] <= run.steps.max()], default=0.0)
 
 

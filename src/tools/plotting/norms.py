@@ -55,9 +55,10 @@ def case_of_run(run: sp.Results) -> Case:
     if run.spectral_radius >= 1.0:
         raise ValueError("{}: is of an unstable loop, spectral radius {:.6g}: its norms are infinite".format(run.path, run.spectral_radius))
     errors = drawable_errors(run)
+    known = np.isfinite(errors.theoretical_variance).any()
     return Case(run.name, style.verdict(run.string_stable), run.followers,
-                Norm(measured_l2_norm(errors), own=l2_norm(errors.theoretical_mean)),
-                Norm(supremum(errors.variance), half_width(run), supremum(errors.theoretical_variance)))
+                Norm(measured_l2_norm(errors), own=l2_norm(errors.theoretical_mean) if known else None),
+                Norm(supremum(errors.variance), half_width(run), supremum(errors.theoretical_variance) if known else None))
 
 
 def case_of_analysis(analysis: sp.Analysis) -> Case:
@@ -125,7 +126,8 @@ def draw_norm(axes: Axes, norm: Norm, line: style.Line, face: str) -> None:
     if norm.measured is not None:
         label = "measured" if norm.half_width is None else "measured, {:.0%} confidence".format(CONFIDENCE)
         style.draw_measured(axes, norm.measured, norm.half_width, fmt="o", color=style.PALETTE[0], markerfacecolor=face, label=label)
-    choose_scale(axes, theories[-1][0])
+    if theories or norm.measured is not None:
+        choose_scale(axes, theories[-1][0] if theories else norm.measured)
     axes.legend()
 
 

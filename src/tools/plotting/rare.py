@@ -64,10 +64,13 @@ def draw_string(axes: Axes, run: sp.Rare, name: str, at: int) -> None:
     bars = interval(*(values[shown] for values in (logarithm, run.relative_error, run.lower, run.upper)))
     axes.errorbar(followers[shown], logarithm[shown], yerr=bars, fmt="o", color=colour, markerfacecolor="white", label=name, zorder=3,
                   **style.POINTS)
+    hidden = np.flatnonzero(~np.isfinite(logarithm) & (run.upper > 0.0))
+    if hidden.size:
+        axes.plot(followers[hidden], np.log10(run.upper[hidden]), "v", color=colour, label="{}: upper limit alone".format(name))
     if (run.bound > 0.0).any():
         with np.errstate(invalid="ignore", divide="ignore"):
             axes.plot(followers, np.log10(run.bound), color=colour, linewidth=1.1, linestyle=style.DASHED,
-                      label="" if at else "upper bound by theory")
+                      label="upper bound by theory" if not axes.get_legend_handles_labels()[1].count("upper bound by theory") else "")
     axes.axhline(run.any["log10_probability"], color=colour, linewidth=1.0, linestyle="-.", label="" if at else "any follower")
 
 

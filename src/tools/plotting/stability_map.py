@@ -4,7 +4,7 @@ gain, and the regions without a verdict."""
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, List
 
 import numpy as np
 import stochastic_platoon as sp
@@ -20,6 +20,7 @@ from plotting.values import Array, drawable, require_some
 
 # Headway and gain of the paper's numerical example, and the side and alignment of the label.
 PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
+PAPER_RADII = (0.5274, 0.6546)
 BORDER = style.PALETTE[0]
 HIGHEST_PEAK = 10.0  # higher peaks share the last colour
 HIGHEST_LOSS_GAIN = 2.0
@@ -46,22 +47,20 @@ def draw(given: sp.StabilityMap) -> Figure:
         draw_peaks(figure, axes, stability)
     else:
         draw_loss_gains(figure, axes, stability)
+    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
     if np.nanmax(stability.spectral_radius) > 1.0:
         axes.contourf(stability.xs, stability.ys, stability.spectral_radius,
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
+        entries.append(hatched("////", "loop unstable, $\\rho(A) \\geq 1$"))
     impossible = np.isnan(stability.spectral_radius)  # no Markov chain has these losses, so no loop exists
     undefined = np.isnan(stability.peak_gain) & ~(stability.spectral_radius >= 1.0) & ~impossible  # no finite variance exists
-    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
     for region, hatch, label in ((undefined, "\\\\\\\\", "not mean square stable"), (impossible, "..", "no such losses: $b < q / (1 - q)$")):
         if region.any():
             axes.contourf(stability.xs, stability.ys, region.astype(float), levels=[0.5, 1.5], colors="white", hatches=[hatch])
             entries.append(hatched(hatch, label))
     draw_border(axes, stability)
     if stability.up == "gain":
-        mark_paper_points(axes, stability)
-        entries = entries[:1] + [hatched("////", "loop unstable, $\\rho(A) \\geq 1$"),
-                                 style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6,
-                                                    label="the paper's example")]
+        entries += mark_paper_points(axes, stability)
     axes.set_xlim(stability.xs[0], stability.xs[-1])
     axes.set_ylim(stability.ys[0], stability.ys[-1])
     axes.set_xlabel(LABELS[stability.over])
@@ -119,10 +118,23 @@ def smoothed(line: Array) -> Array:
     return line
 
 
-def mark_paper_points(axes: Axes, stability: sp.StabilityMap) -> None:
+def is_papers(stability: sp.StabilityMap) -> bool:
+    """Whether the map is that of the paper's example: the spectral radius of its two points is that of the nearest cells."""
+    for (headway, gain, *_), radius in zip(PAPER_POINTS, PAPER_RADII):
+        row, column = np.abs(stability.ys - gain).argmin(), np.abs(stability.xs - headway).argmin()
+        if not abs(stability.spectral_radius[row, column] - radius) < 0.1:
+            return False
+    return not np.nanmax(stability.loss_gain, initial=0.0) > 0.0
+
+
+def mark_paper_points(axes: Axes, stability: sp.StabilityMap) -> List[Any]:
+    """Marks the points of the paper's example if the map has them; returns their entry of the legend."""
+    if not is_papers(stability):
+        return []
     for headway, gain, side, alignment in PAPER_POINTS:
         if stability.xs[0] <= headway <= stability.xs[-1] and stability.ys[0] <= gain <= stability.ys[-1]:
             axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
             axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
                           va="center", textcoords="offset points",
                           path_effects=[withStroke(linewidth=2.5, foreground="white")])
+    return [style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6, label="the paper's example")]

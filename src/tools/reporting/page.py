@@ -6,6 +6,7 @@ import hashlib
 import html
 import os
 import re
+import shlex
 from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -21,7 +22,7 @@ UNITS = {"sample_period": "s", "time_headway": "sample periods", "standstill_dis
          "noise_variance": "m²", "initial_position/mean": "m", "initial_position/variance": "m²",
          "channel/delay": "sample periods", "channel/quantisation_step": "m", "loss/mean_burst": "sample periods",
          "loss/by_distance": "gap in m, probability", "leader/speed": "m/s", "leader/positions": "m", "limits/input": "m/s²",
-         "limits/speed": "m/s", "input_delay": "s", "kp": "1/s²", "kd": "1/s", "ki": "1/s³"}
+         "limits/speed": "m/s", "input_delay": "s", "actuator_lag": "s", "kp": "1/s²", "kd": "1/s", "ki": "1/s³"}
 STYLE = """
 body { font: 15px/1.45 "DejaVu Sans", Verdana, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.3rem; margin-top: 2.4rem; border-bottom: 2px solid #222; }
@@ -73,6 +74,10 @@ def flattened(value: Any, path: str = "") -> Iterator[Tuple[str, str]]:
     if isinstance(value, dict) and value:
         for key, inner in value.items():
             yield from flattened(inner, "{}/{}".format(path, key) if path else str(key))
+        return
+    if isinstance(value, list) and any(isinstance(inner, dict) for inner in value):
+        for at, inner in enumerate(value):
+            yield from flattened(inner, "{}/{}".format(path, at))
         return
     text = str(value)
     more = " … ({} values)".format(len(value)) if isinstance(value, list) and len(text) > LONGEST_VALUE else ""
@@ -148,7 +153,7 @@ def what_was_run(run: sp.Results) -> str:
                   ("positions lost", of["positions_lost"]), ("date (UTC)", of["date"]), ("machine", of["host"]),
                   ("version", "stochastic_platoon {}, revision {}{}".format(
                       of["version"], of["revision"], " (of changed sources)" if str(of["revision"]).endswith("-dirty") else "")),
-                  ("command", " ".join(of["command_line"]))])
+                  ("command", " ".join(map(shlex.quote, of["command_line"])))])
 
 
 def numbers(run: sp.Results) -> str:

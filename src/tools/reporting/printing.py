@@ -42,9 +42,12 @@ def write(text: str, output: str) -> None:
         source, printed = os.path.join(folder, "report.html"), os.path.join(folder, "report.pdf")
         with open(source, "w", encoding="utf-8") as file:
             file.write(text)
-        done = subprocess.run([browser(), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer",
-                               "--user-data-dir=" + folder, "--print-to-pdf=" + printed, "file://" + source],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=PATIENCE)
+        try:
+            done = subprocess.run([browser(), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer",
+                                   "--user-data-dir=" + folder, "--print-to-pdf=" + printed, "file://" + source],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise OSError("{}: the browser has printed nothing for {:g} s".format(output, PATIENCE)) from None
         if not os.path.exists(printed):
             raise OSError("{}: the browser printed no PDF: {}".format(output, done.stdout.strip().splitlines()[-1:]))
         with open(printed, "rb") as content, open(output, "xb") as file:

@@ -100,9 +100,9 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
   return found;
 }
 
-std::vector<std::string> violated_assumptions(const VehicleModel& vehicle, double sample_period, std::size_t farthest,
-                                              bool allow_unstable) {
-  for (std::size_t follower = 1; follower <= farthest && !allow_unstable; ++follower) {
+std::vector<std::string> violated_assumptions(const VehicleModel& vehicle, double sample_period,
+                                              const std::vector<std::size_t>& places, bool allow_unstable) {
+  for (const std::size_t follower : allow_unstable ? std::vector<std::size_t>() : places) {
     const double rho = HearingLoop(vehicle, follower, sample_period).spectral_radius();
     if (rho >= 1.0)
       return {formatted("the closed loop is unstable: rho(A) = %g, must be < 1 (allow_unstable: true runs it anyway)",

@@ -15,10 +15,10 @@ namespace platoon {
 /// - an equilibrium exists; the vehicles start in it.
 std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable);
 
-/// The same of a vehicle that hears others than its predecessor: rho(A) < 1 at every place of the string, unless
-/// `allow_unstable`. `farthest`: see farthest_ahead().
-std::vector<std::string> violated_assumptions(const VehicleModel& vehicle, double sample_period, std::size_t farthest,
-                                              bool allow_unstable);
+/// The same of a vehicle that hears others than its predecessor: rho(A) < 1 at these places of the string, unless
+/// `allow_unstable`.
+std::vector<std::string> violated_assumptions(const VehicleModel& vehicle, double sample_period,
+                                              const std::vector<std::size_t>& places, bool allow_unstable);
 
 /// The deviation of the given loop from double integral action,
 /// \f[ |T(1) - 1| + |T'(1) + h| / (1 + h). \f]

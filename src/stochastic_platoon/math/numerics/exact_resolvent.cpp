@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
+
 namespace platoon {
 
 ExactMatrix product(const ExactMatrix& a, const ExactMatrix& b) {
@@ -21,6 +23,7 @@ ExactResolvent exact_resolvent(const ExactMatrix& m, const ExactMatrix& c) {
   ExactResolvent result{std::vector<ExactPolynomial>(static_cast<std::size_t>(n)), {Exact(1)}};
   ExactMatrix adjugate_term = ExactMatrix::Identity(n, n);
   for (Eigen::Index k = 1; k <= n; ++k) {
+    check_interruption();
     const ExactMatrix row = product(c, adjugate_term);
     for (Eigen::Index j = 0; j < n; ++j) result.numerators[static_cast<std::size_t>(j)].push_back(row(0, j));
     adjugate_term = product(m, adjugate_term);

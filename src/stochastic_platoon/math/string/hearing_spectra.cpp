@@ -172,7 +172,8 @@ HearingSpectra::Pair HearingSpectra::advance(std::size_t follower, const Eigen::
   for (std::size_t a = reach_; a-- > 1;) {
     for (std::size_t b = reach_; b-- > 1;) window[a][b] = window[a - 1][b - 1];
   }
-  window[0][0] = own;
+  window[0][0] =
+      own.real().cast<std::complex<double>>();  // the rounding of an imaginary part would grow along the string
   for (std::size_t b = 1; b < reach_; ++b) {
     window[0][b] = cross[b - 1];
     window[b][0] = cross[b - 1].conjugate();

@@ -30,7 +30,7 @@ std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t 
   return stationary_variances(StationaryTheory(model), followers);
 }
 
-std::vector<double> stationary_variances(const StationaryTheory& theory, std::size_t followers) {
+std::vector<double> stationary_variances(const StationaryTheory& theory, std::size_t followers) try {
   require_followers(followers);
   if (!theory.mean_square_stable()) return std::vector<double>(followers, kNaN);
   return theory.settled(followers, [followers](auto walk) {
@@ -43,6 +43,8 @@ std::vector<double> stationary_variances(const StationaryTheory& theory, std::si
     variances.resize(followers, kInfinity);
     return variances;
   });
+} catch (const NarrowSpectra&) {
+  return std::vector<double>(followers, kNaN);
 }
 
 std::vector<std::vector<double>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers) {
@@ -55,7 +57,7 @@ std::vector<std::vector<double>> stationary_variances_by_input(const StationaryT
   for (const VehicleModel& of : pattern(theory.model())) inputs = std::max(inputs, of.inputs.size());
   std::vector<std::vector<double>> shares(followers, std::vector<double>(inputs, kNaN));
   if (!theory.mean_square_stable()) return shares;
-  const std::vector<double> values = theory.settled(followers, [followers, inputs](auto walk) {
+  const auto along = [followers, inputs](auto walk) {
     std::vector<decltype(walk)> of_input(inputs, walk);
     std::vector<double> variances;
     for (std::size_t i = 0; i < followers; ++i) {
@@ -68,9 +70,14 @@ std::vector<std::vector<double>> stationary_variances_by_input(const StationaryT
       }
     }
     return variances;
-  });
-  for (std::size_t i = 0; i < followers; ++i)
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * inputs), inputs, shares[i].begin());
+  };
+  try {
+    const std::vector<double> values = theory.settled(followers, along);
+    for (std::size_t i = 0; i < followers; ++i)
+      std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * inputs), inputs, shares[i].begin());
+  } catch (const NarrowSpectra&) {
+    // They stay NaN.
+  }
   return shares;
 }
 

@@ -148,11 +148,18 @@ void read_string(Section& document, PlatoonModel& model) {
 void check_assumptions(const PlatoonModel& model, Section& document) {
   const bool plain = hears_predecessors_only(model);
   const std::size_t farthest = farthest_ahead(model);
+  const std::vector<std::size_t> order = type_order(model);
   for (const VehicleType& type : model.types) {
     const bool is_default = &type == &model.types.front();
+    // Places at which fewer vehicles are ahead than it hears, and all others.
+    std::vector<std::size_t> places;
+    for (std::size_t i = 1; i <= farthest + order.size(); ++i) {
+      if (&type - model.types.data() == static_cast<std::ptrdiff_t>(order[(i - 1) % order.size()])) places.push_back(i);
+    }
+    if (places.empty()) places = {1, farthest};  // of a type outside the string
     for (const std::string& problem :
          plain ? violated_assumptions(type.vehicle.loop, type.vehicle.headway, model.allow_unstable)
-               : violated_assumptions(type.vehicle, model.sample_period, farthest, model.allow_unstable)) {
+               : violated_assumptions(type.vehicle, model.sample_period, places, model.allow_unstable)) {
       if (is_default) document.report_whole(problem);
       if (!is_default) document.report("vehicle_types/" + type.name + ": " + problem);
     }

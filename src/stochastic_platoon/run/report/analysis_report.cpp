@@ -89,7 +89,7 @@ std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
               : std::string(" (a lost ") + name_of(varied.signal) + " is replaced by the last one received): ") +
          (critical ? formatted("%.9g", *critical) : "none") +
          formatted("; string stable loss probabilities within [0, %.6g]%s:", analysis.losses->largest,
-                   has_bursts(model) ? " at this mean burst" : "") +
+                   varied.link.loss && varied.link.loss->mean_burst ? " at this mean burst" : "") +
          shown(analysis.losses->intervals) + "\n";
 }
 

@@ -51,6 +51,8 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
   if (!model.default_vehicle().design && !(axes.headways.empty() && axes.gains.empty())) {
     throw std::invalid_argument("closed_loop: given: must be plant and controller for a stability map over headways");
   }
+  if (model.default_vehicle().constant_spacing && !axes.headways.empty())
+    throw std::invalid_argument("headway: given: must be absent beside spacing: constant");
   if (const auto reason = no_theory(model))
     throw std::invalid_argument("mean_burst: no stability map without a theory: " + *reason);
   const std::optional<LossModel>& own_loss = model.default_vehicle().varied_link().loss;
