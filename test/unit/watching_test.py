@@ -62,11 +62,11 @@ class State(unittest.TestCase):
         lossy = {"packet": "v2v", "delay": 2, "loss": {"probability": 0.3, "on_loss": [1.0]}}
         inputs = [{"signal": "position", "noise_variance": 0.01, "weight": 1.0, "channel": lossy},
                   {"signal": "input", "noise_variance": 0.02, "gain": 1.0, "channel": {"packet": "v2v", "delay": 1}}]
-        car = sp.Model.load("cacc.yaml").to_dict()
+        car = {key: value for key, value in sp.Model.load("cacc.yaml").to_dict().items() if key != "noise_variance"}
         self.state.take_configuration(configuration(**dict(car, inputs=inputs)))
         document = self.state.document()
         self.assertEqual(document["link"], "hears position of the predecessor (additive noise, delay 2, loss 0.3); "
-                         "input of the predecessor (additive noise, delay 1, loss 0.3)")
+                         "input of the predecessor (additive noise, delay 1)")
         self.assertEqual(document["loss"], 0.3)
 
     def test_missing_figures_are_null(self):
