@@ -21,7 +21,9 @@ def differing(ours, theirs):
     for column in ours[0]:
         pairs = [(float(a[column] or "nan"), float(b[column] or "nan")) for a, b in zip(ours, theirs) if a[column] != b[column]]
         if pairs:
-            yield column, max(abs(a - b) for a, b in pairs) / max(abs(float(row[column] or 0)) for row in ours)
+            apart = [abs(a - b) for a, b in pairs]
+            most = math.nan if any(map(math.isnan, apart)) else max(apart)  # a figure here and none there: within no tolerance
+            yield column, most / max(abs(float(row[column] or 0)) for row in ours)
 
 
 def figures(value, name=""):
