@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Copies of the bag in test/data with flipped bits or without an end are rejected, or give what is left of them."""
 
+import csv
 import os
 import shutil
 import struct
@@ -48,9 +49,14 @@ class Damaged(SmallBagTest):
             self.assertIn("4 realizations" if share < 0.9 else "6 realizations", result.stdout)
 
     def test_any_cut_and_any_flipped_byte_is_survived(self):
-        """A truncated file gives whole batches; a changed byte is rejected unless nothing relevant follows it."""
+        """A truncated file gives whole batches, of 4 and 2 realizations; a changed byte is rejected unless nothing relevant follows it."""
         with open(os.path.join(DATA, "small_statistics.csv")) as file:
             right = file.read()
+        first = self.altered("first.bag", lambda topic, message: 0 if getattr(message, "first_realization", 0) == 4 else 1)
+        whole = [tool("bag_statistics", first, "--partial", "--unverified", "--csv").stdout, right]
+        for text, count in zip(whole, (4, 6)):
+            self.assertEqual({row["count"] for row in csv.DictReader(text.splitlines())}, {str(count)})
+        accepted = []
         with open(self.SMALL, "rb") as file:
             content = file.read()
         path = self.path("hostile.bag")
@@ -63,8 +69,11 @@ class Damaged(SmallBagTest):
                 file.write(bent)
             result = tool("bag_statistics", path, "--partial", "--csv")
             self.assertIn(result.returncode, (0, 1), "cut or bent at byte {}: {}".format(at, result.stderr))
-            if i % 2 == 0 and result.returncode == 0:
-                self.assertEqual(result.stdout, right, "bent at byte {}: {}".format(at, result.stderr))
+            if result.returncode == 0:
+                self.assertIn(result.stdout, whole if i % 2 else [right], "cut or bent at byte {}: {}".format(at, result.stderr))
+                accepted += [whole.index(result.stdout)] if i % 2 else []
+        self.assertGreater(len(accepted), 10)
+        self.assertEqual(set(accepted), {0, 1})
 
     def test_an_empty_bag_a_missing_one_and_something_else_are_rejected(self):
         empty = self.path("empty.bag")

@@ -33,10 +33,10 @@ def check(name, model, followers):
         return None
     string = String(model, followers)
     means, variances = string.tables(20.0, STEPS)
-    worst = np.max(abs(np.array(found["mean"]) - means)) / np.max(abs(means))
-    worst = max(worst, difference(found["variance"], variances))
+    apart = [np.max(abs(np.array(found["mean"]) - means)) / np.max(abs(means)), difference(found["variance"], variances)]
     if not string.packets:
-        worst = max(worst, difference(found["stationary_variance"], string.settled()))
+        apart.append(difference(found["stationary_variance"], string.settled()))
+    worst = np.max(apart)  # NaN if one is
     assert worst <= CLOSE, "%s: differs by %.2g, relative: %s" % (name, worst, model)
     return worst
 

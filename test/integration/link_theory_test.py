@@ -158,13 +158,15 @@ class Analyze(AnalyzeTest):
         theory = self.analyze(model_of(3, {"loss": {"probability": 0.0, "on_loss": "hold"}}, time_headway=2.7), 1, 2)
         self.assertFalse(theory["string_stable"])
         self.assertIsNone(theory["critical_loss_probability"])
-        intervals = theory["stable_loss_probabilities"]
-        for low, high in intervals:
-            middle = model_of(3, {"loss": {"probability": 0.5 * (low + high), "on_loss": "hold"}}, time_headway=2.7)
-            self.assertTrue(self.stable(middle))
-            vehicle = grid(middle)[0]
-            self.assertLess(vehicle["gain"].max(), 1.0)
-            self.assertLess(vehicle["kappa"] * np.mean(vehicle["innovation"] * vehicle["loss_gain"] / (1.0 - vehicle["gain"])), 1.0)
+        (low, high), = theory["stable_loss_probabilities"]
+        self.assertTrue(0.0 < low < high, (low, high))
+        self.assertEqual(high, 0.99)  # the largest probability that is searched
+        at = lambda q: model_of(3, {"loss": {"probability": q, "on_loss": "hold"}}, time_headway=2.7)
+        for q, stable in ((low - 1e-5, False), (low + 1e-5, True), (0.5 * (low + high), True), (high, True)):
+            self.assertEqual(self.stable(at(q)), stable, q)
+            vehicle = grid(at(q))[0]
+            gain = vehicle["kappa"] * np.mean(vehicle["innovation"] * vehicle["loss_gain"] / (1.0 - vehicle["gain"]))
+            self.assertEqual(vehicle["gain"].max() < 1.0 and gain < 1.0, stable, q)
 
     def test_a_mean_burst_that_independent_losses_have_changes_nothing(self):
         independent = self.analyze(model_of(3, {"loss": {"probability": 0.5, "mean_burst": 2.0, "on_loss": "hold"}}))

@@ -5,6 +5,7 @@ import json
 import math
 import os
 
+import scipy.stats
 import yaml
 
 import live_platoon
@@ -52,10 +53,11 @@ class RareTest(FolderTest):
         self.assertLess(abs(one - other), scores * math.hypot(error_of_one, error_of_other), (one, other))
 
     def assert_covered(self, row, known, error):
-        """Twice the interval of 95 % of 20 repetitions contains a known probability: Student's t with 19 degrees of freedom is beyond it
-        in 5 of 10,000 cases."""
-        half = math.log(row["upper"] / row["lower"]) / 2.0
-        self.assertLess(abs(math.log(row["probability"] / known)), math.hypot(2.0 * half, 4.0 * error / known), (row, known))
+        """The interval of a splitting, of 95 %, reaches as far as Student's t of 20 repetitions, with one and a half of them unseen. Twice the
+        interval contains a known probability: Student's t with 19 degrees of freedom is beyond it in 5 of 10,000 cases."""
+        reach = scipy.stats.t.ppf(0.975, 19) * math.hypot(row["standard_error"] / row["probability"], 1.5 / 20.0)
+        self.assertAlmostEqual(math.log(row["probability"] / row["lower"]), reach, places=9, msg=row)
+        self.assertLess(abs(math.log(row["probability"] / known)), math.hypot(2.0 * reach, 4.0 * error / known), (row, known))
 
     def measured(self, name, model, below, **options):
         """Frequency of a gap below `below` per follower, and its standard error."""

@@ -157,7 +157,7 @@ class Interrupted(ShardsTest):
         file = self.path("run", "checkpoint.cbor")
         for number in signals:
             before = live_platoon.written_at(file)
-            process = self.start("monte_carlo", "--output", self.path("run"), *LONG, *words)
+            process = self.start("monte_carlo", "--output", self.path("run"), "--threads", "1", *LONG, *words)
             live_platoon.wait_for(lambda: process.poll() is not None or live_platoon.written_at(file) not in (None, before), "a checkpoint")
             self.assertIsNone(process.poll(), "it was over before it could be stopped")
             process.send_signal(number)

@@ -8,6 +8,7 @@ import stochastic_platoon as sp
 from stochastic_platoon import bounds
 
 PAPER_BOX = {"controller/numerator/0": [0.1, 4.0], "controller/denominator/1": [-0.95, 0.95]}
+FIGURES = ("limit_variance", "peak_gain", "sensitivity_peak")
 
 
 class LowerBound(unittest.TestCase):
@@ -37,11 +38,13 @@ class LowerBound(unittest.TestCase):
 
     def test_of_each_figure_is_below_it_at_every_stable_point_of_a_box(self):
         random = np.random.RandomState(3)
-        boxes = {"paper.yaml": {"controller/numerator/0": (0.5, 2.0), "controller/denominator/1": (-0.5, 0.9)},
-                 "acc.yaml": {"controller/kp": (0.05, 0.5), "controller/kd": (0.3, 1.5)}}
-        for file, whole in boxes.items():
+        boxes = (("paper.yaml", {"controller/numerator/0": (0.5, 2.0), "controller/denominator/1": (-0.5, 0.9)}, ("peak_gain", "sensitivity_peak")),
+                 ("acc.yaml", {"controller/kp": (0.05, 0.5), "controller/kd": (0.3, 1.5)}, FIGURES),
+                 ("paper.yaml", {"controller/numerator/0": (1.1, 1.5), "controller/denominator/1": (0.6, 0.95)}, FIGURES))  # more is string stable
+        for file, whole, figures in boxes:
             model = sp.Model.load(file)
-            for figure in ("limit_variance", "peak_gain", "sensitivity_peak"):
+            for figure in figures:
+                judged = 0
                 for _ in range(10):
                     at = np.array([random.uniform(*ends) for ends in whole.values()])
                     size = 0.1 * random.uniform() * np.array([high - low for low, high in whole.values()])
@@ -54,12 +57,14 @@ class LowerBound(unittest.TestCase):
                             continue
                         if analysis.string_stable or (figure != "limit_variance" and analysis[figure] is not None):
                             self.assertLessEqual(bound, analysis[figure] * (1.0 + 1e-9), (file, figure, corner))
+                            judged += 1
+                self.assertGreaterEqual(judged, 10, (file, figure))  # of 40 points
 
     def test_of_a_tiny_box_is_the_figure_itself(self):
         for file, box in (("paper.yaml", {"controller/numerator/0": 1.2, "controller/denominator/1": 0.7}),
                           ("acc.yaml", {"controller/kp": 0.2, "controller/kd": 0.7})):
             model, at = sp.Model.load(file).replace(box), np.array(list(box.values()))
-            for figure in ("limit_variance", "sensitivity_peak"):
+            for figure in FIGURES:
                 integrand = bounds.Integrand(bounds.Loop(model, list(box)), figure, at)
                 bound = integrand.bounds((at - 1e-9)[None, :], (at + 1e-9)[None, :])[0]
                 self.assertAlmostEqual(bound / sp.analyze(model)[figure], 1.0, delta=0.005, msg=(file, figure))
