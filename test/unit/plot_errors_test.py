@@ -107,6 +107,8 @@ class Errors(PlotTest):
     def test_a_run_of_another_platoon_than_the_analysis(self):
         run = self.make_run()
         self.assert_rejects("norms", run, self.make_analysis(spectral_radius=0.6), saying=[run, "another platoon"])
+        of_noise = self.make_run("noisy", theory={"spectral_radius": 0.5, "string_stable": True, "stationary_variance": [2.0, 3.0, 3.6]})
+        self.assert_rejects("string", self.make_analysis(), "--run", of_noise, saying=[of_noise, "another platoon", "stationary variance of follower 3 3.6"])
         self.assert_rejects("string", self.make_analysis(stationary_variance=[1.0]), "--run", run,
                             saying=[run, "3 followers", "has 1"])
 

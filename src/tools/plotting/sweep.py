@@ -106,7 +106,8 @@ def draw_curve(axes: Axes, curve: Curve, colour: str, marker: str) -> List[Any]:
     prefix = curve.name.replace("$", "\\$") + ": " if curve.name else ""
     legend: List[Any] = []
     if np.isfinite(curve.theoretical_variance).any():
-        legend += axes.plot(curve.at, curve.theoretical_variance, color=colour, linewidth=1.3, label=prefix + "theory")
+        legend += axes.plot(curve.at, curve.theoretical_variance, "_" if curve.at.size == 1 else "-", color=colour, linewidth=1.3,
+                            label=prefix + "theory")
     many = curve.at.size > style.MANY
     label = "{}measured, $\\pm${} standard errors".format(prefix, style.SHOWN_ERRORS)
     shown = None

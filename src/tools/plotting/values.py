@@ -47,10 +47,17 @@ def drawable_errors(run: sp.Results) -> sp.Moments:
 
 
 def require_same_platoon(run: sp.Results, analysis: sp.Analysis, followers: int) -> None:
-    """Raises ValueError unless run and analysis have the same string length and the same spectral radius."""
+    """Raises ValueError unless run and analysis have the same string length, spectral radius and stationary variances, where both
+    have them."""
     if run.followers != followers:
         raise ValueError("{}: has {} followers, but {} has {}".format(run.path, run.followers, analysis.path, followers))
     radius = analysis.spectral_radius
     if abs(radius - run.spectral_radius) > 1e-6 * abs(radius):
         raise ValueError("{}: is of another platoon than {}: spectral radius {:.6g} instead of {:.6g}".format(
             run.path, analysis.path, run.spectral_radius, radius))
+    own, other = (np.array(of.get("stationary_variance", []), dtype=float) for of in (run.summary["theory"], analysis))
+    known = np.isfinite(own) & np.isfinite(other) if own.shape == other.shape else np.zeros(0, bool)
+    if known.any() and not np.allclose(own[known], other[known], rtol=1e-6, atol=0.0):
+        first = int(np.argmax(known & ~np.isclose(own, other, rtol=1e-6, atol=0.0)))
+        raise ValueError("{}: is of another platoon than {}: stationary variance of follower {} {:.6g} m^2 instead of {:.6g} m^2".format(
+            run.path, analysis.path, first + 1, own[first], other[first]))
