@@ -49,7 +49,7 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
     for at, (analysis, name) in enumerate(zip(analyses, names)):
         frequency, gain = curve_of(analysis)
         where, height = peak_of(analysis)
-        top = max(top, min(np.nanmax(gain), HIGHEST))
+        top = max(top, min(float(np.nanmax(gain)), HIGHEST))
         axes.plot(frequency, gain, color=style.colour(at), linewidth=1.8,
                   label=("{}: peak {:.4g} at {:.3g} rad/s".format(name, height, where) if np.isfinite(height)
                          else "{}: the loop is unstable".format(name)))

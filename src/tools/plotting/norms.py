@@ -126,8 +126,9 @@ def draw_norm(axes: Axes, norm: Norm, line: style.Line, face: str) -> None:
     if norm.measured is not None:
         label = "measured" if norm.half_width is None else "measured, {:.0%} confidence".format(CONFIDENCE)
         style.draw_measured(axes, norm.measured, norm.half_width, fmt="o", color=style.PALETTE[0], markerfacecolor=face, label=label)
-    if theories or norm.measured is not None:
-        choose_scale(axes, theories[-1][0] if theories else norm.measured)
+    decisive = theories[-1][0] if theories else norm.measured
+    if decisive is not None:
+        choose_scale(axes, decisive)
     axes.legend()
 
 
