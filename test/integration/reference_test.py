@@ -50,7 +50,7 @@ class Reference(unittest.TestCase):
     def test_the_main_page_leads_to_the_python_module(self):
         for name, page, words in (("Model", "classstochastic__platoon_1_1model_1_1Model.html", "replace"),
                                   ("analyze", "namespacestochastic__platoon_1_1theory.html", "stability_map"),
-                                  ("rare", "namespacestochastic__platoon_1_1rare__events.html", "gaussian"),
+                                  ("rare", "namespacestochastic__platoon_1_1rare__events.html", "that a gap falls below"),
                                   ("tune", "namespacestochastic__platoon_1_1tuning.html", "minimise"),
                                   ("Results", "classstochastic__platoon_1_1results_1_1Results.html", "standard_error_of_variance")):
             self.assertRegex(self.pages["index.html"], 'href="{}[^"]*"[^>]*>sp.{}</a>'.format(page, name))
