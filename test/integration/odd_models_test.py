@@ -90,7 +90,9 @@ class OddModels(ModuleTest):
                                     "initial_position": {"mean": 0.0, "variance": 0.0}, "leader": {"speed": [{"from_step": 0, "value": 20.0}]}})
         found = sp.analyze(model, followers=300, steps=5)
         self.assertTrue(found.string_stable)
-        self.assertAlmostEqual(found["stationary_variance"][-1] / found["limit_variance"], 1.0, delta=1e-6)
+        missing = 1.0 - found["stationary_variance"] / found["limit_variance"]
+        self.assertTrue(0.0 < missing[299] < 0.6 * missing[149], missing[[149, 299]])
+        self.assertLess(missing[299], 1e-3)
 
     def test_a_type_is_judged_at_the_places_where_it_stands(self):
         inputs = [{"signal": "position", "noise_variance": 0.02}, {"signal": "speed", "gain": 0.1, "noise_variance": 0.01}]

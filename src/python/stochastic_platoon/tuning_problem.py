@@ -262,14 +262,14 @@ class Problem:
         """How far a loop is from string stability, below 1: where the figures of an endless string do not exist, it shows the way."""
         try:
             return 1.0 - 1.0 / max(self.of_loop(model, "peak_gain"), 1.0)
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, KeyError):
             return 0.0
 
     def instability(self, values: Tuple[float, ...]) -> float:
         """How far a loop that the model file does not allow is from stability, below 1."""
         try:
             return 1.0 - 1.0 / max(self.of_loop(self.model_at(values, allow_unstable=True), "spectral_radius"), 1.0)
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, KeyError):
             return 1.0
 
     def best(self) -> Point:

@@ -75,11 +75,10 @@ def flattened(value: Any, path: str = "") -> Iterator[Tuple[str, str]]:
         for key, inner in value.items():
             yield from flattened(inner, "{}/{}".format(path, key) if path else str(key))
         return
-    if isinstance(value, list) and any(isinstance(inner, dict) for inner in value):
-        for at, inner in enumerate(value):
-            yield from flattened(inner, "{}/{}".format(path, at))
-        return
     text = str(value)
+    if isinstance(value, list) and any(isinstance(inner, dict) for inner in value):
+        yield path, text  # only numbers are cut
+        return
     more = " … ({} values)".format(len(value)) if isinstance(value, list) and len(text) > LONGEST_VALUE else ""
     yield path, text if not more and len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + (more or " …")
 
