@@ -38,7 +38,7 @@ class Stream:
         if in_turn:
             self.latest = name(message)
             while self.waiting and name(self.waiting[0])[:2] != (run, attempt):
-                self.waiting.popleft()  # of an abandoned attempt
+                self.waiting.popleft()  # nobody needs an abandoned attempt
             self.waiting.append(message)
 
 

@@ -45,7 +45,7 @@ public:
     }
   }
 
-  // Of an endless run:
+  // For endless runs, whose number of steps is not known.
   void clear() { values_.clear(); }
   std::size_t size() const { return values_.size(); }
   void extend_to(std::size_t size) { values_.resize(size, std::nan("")); }

@@ -179,7 +179,7 @@ class Recorded(LaunchTest):
 
     def test_shares_of_ages_are_counts_over_their_sum_and_have_a_theory_unless_losses_are_recorded(self):
         self.trace("log.csv", self.TRACE)
-        p, steps, realizations = 0.3, 59, 600  # of 60 steps the last one's messages move nobody
+        p, steps, realizations = 0.3, 59, 600  # the messages of the last step move no vehicle
         for name, loss in (("independent", {"probability": p}), ("trace", {"trace": "log.csv"})):
             folder = self.monte_carlo(name, model=self.model_with(channel={"loss": loss}), followers=2, steps=60, realizations=realizations)
             with open(os.path.join(folder, "ages.csv")) as file:

@@ -151,9 +151,10 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     `over`: {key of the model: [low, high]}, as {"controller/kp": [0.1, 2.0]}. `minimise`: the path of a figure in the JSON of
     `analyze`, as "limit_variance" or "stationary_variance/19", or a key of the model. `subject_to`: {figure: true, false, a bound, or
     [low, high]}; a single number is a lower bound of phase_margin, delay_margin, string_margin, critical_delay,
-    critical_loss_probability and critical_mean_burst, and an upper bound of every other figure. A point where a figure does not exist is infeasible. `pareto`: {"over": figure, "against": figure, "points": n}
-    adds a front. `collision_probability`, `followers` and `steps` as of analyze(). `realizations`: of the confirmation; 0: none.
-    `bound_seconds`: most time for the lower bound; 0: none. The result does not depend on chance.
+    critical_loss_probability and critical_mean_burst, and an upper bound of every other figure. A point where a figure does not exist
+    is infeasible. `pareto`: {"over": figure, "against": figure, "points": n} adds a front. `collision_probability`, `followers` and
+    `steps` as of analyze(). `realizations`: of the confirmation; 0: none. `bound_seconds`: most time for the lower bound; 0: none. The
+    result does not depend on chance.
 
     Raises ValueError for unknown figures and keys, an empty box, a key that nothing depends on, and constraints that no point
     satisfies; ImportError without SciPy.

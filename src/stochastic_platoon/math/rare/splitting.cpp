@@ -172,7 +172,7 @@ Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uin
         static_cast<unsigned long long>(kLeastRealizations), static_cast<unsigned long long>(kMostRealizations)));
   std::size_t inputs = 1;
   for (const VehicleModel& of : pattern(model)) inputs = std::max(inputs, of.inputs.size());
-  const double draws = static_cast<double>(event.followers * inputs) * static_cast<double>(event.steps);  // of a path
+  const double draws = static_cast<double>(event.followers * inputs) * static_cast<double>(event.steps);  // of one path
   if (static_cast<double>(paths_) * draws > kMostDraws)
     throw std::invalid_argument(
         formatted("realizations: %llu: must be at most %.0f for %zu followers over %lld steps by splitting",

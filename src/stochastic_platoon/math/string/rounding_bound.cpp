@@ -85,7 +85,7 @@ double signal_rounding(const PlatoonModel& model, const Signal& signal, std::siz
 
 namespace {
 
-// Of a platoon of the paper whose positions are at most `farthest` so far.
+// The bounds for a platoon of the paper. `farthest`: the largest position up to each step [m].
 std::vector<double> papers_rounding_bounds(const PlatoonModel& model, const std::vector<double>& farthest,
                                            const SignalMoments& moments) {
   const auto steps = static_cast<std::size_t>(moments.steps);

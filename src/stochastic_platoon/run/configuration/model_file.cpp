@@ -156,7 +156,8 @@ void check_assumptions(const PlatoonModel& model, Section& document) {
     for (std::size_t i = 1; i <= farthest + order.size(); ++i) {
       if (&type - model.types.data() == static_cast<std::ptrdiff_t>(order[(i - 1) % order.size()])) places.push_back(i);
     }
-    if (places.empty()) places = {1, farthest};  // of a type outside the string
+    const bool is_in_string = !places.empty();
+    for (std::size_t i = 1; i <= farthest && !is_in_string; ++i) places.push_back(i);
     for (const std::string& problem :
          plain ? violated_assumptions(type.vehicle.loop, type.vehicle.headway, model.allow_unstable)
                : violated_assumptions(type.vehicle, model.sample_period, places, model.allow_unstable)) {
