@@ -110,9 +110,9 @@ class PlotTest(unittest.TestCase):
         analysis.update(changes)
         return self.write(json.dumps(analysis), name)
 
-    def make_map(self, radius=lambda headway, gain: gain / headway):
+    def make_map(self, radius=lambda headway, gain: gain / headway, gains=(1.0, 1.35, 1.7, 2.5)):
         rows = ["headway,gain,spectral_radius,peak_gain,string_stable"]
-        for gain in (1.0, 1.35, 1.7, 2.5):
+        for gain in gains:
             for headway in (2.0, 2.4, 2.8, 3.2, 3.6):
                 rows.append("{},{},{},{},{}".format(headway, gain, radius(headway, gain),
                                                     max(1.0, 3.0 - headway / gain), int(headway > 2.0 * gain)))

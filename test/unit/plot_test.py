@@ -39,6 +39,10 @@ class Figures(PlotTest):
 
     def test_gain_is_drawn(self):
         self.assert_draws("gain", self.make_analysis("a.json"), self.make_analysis("b.json", gain_along_string=gain_along_string(2.4)))
+        axes = plot.gain.draw([sp.Analysis.load(self.path("a.json"))], []).axes[0]
+        left, right = axes.get_xlim()
+        self.assertEqual((axes.get_xscale(), left, right), ("log", 0.01, np.pi / 0.1))
+        self.assertEqual(axes.lines[1].get_xdata().tolist(), [left])  # a peak at frequency 0
 
     def test_string_is_drawn_with_and_without_a_limit_and_runs(self):
         self.assert_draws("string", self.make_analysis("a.json"))
@@ -81,6 +85,13 @@ class Figures(PlotTest):
     def test_map_is_drawn(self):
         self.assert_draws("map", self.make_map())
 
+    def test_the_legend_of_a_map_names_what_is_drawn(self):
+        for given, labels in (({}, ["string stability border", "the paper's example"]), ({"gains": (1.0, 1.2)}, ["string stability border"]),
+                              ({"gains": (0.5, 0.6)}, [])):
+            path = self.make_map(radius=lambda headway, gain: 0.6, **given)
+            legend = plot.stability_map.draw(sp.StabilityMap.load(path)).axes[0].get_legend()
+            self.assertEqual([text.get_text() for text in legend.get_texts()], labels)
+
     def test_huge_and_infinite_values_are_drawn(self):
         rows = ["1,{0},{1},1e{2},1e{2},1e{2},1e{2}".format(k, COUNT, 77 * k) for k in range(5)]
         rows.append("1,5,9,inf,nan,-inf,-nan")
@@ -114,6 +125,7 @@ class Figures(PlotTest):
             figure.canvas.draw()
             self.assertEqual(len({round(axes.get_position().x0, 3) for axes in figure.axes[:4]}), columns)
         self.assert_rejects("errors", self.path("a"), "--width", "3.5", saying=["--width: 3.5: must be from 40 to 400 mm"])
+        self.assert_rejects("norms", self.path("a"), "--width", "40", saying=["--width: 40: must be larger, as the panels of this figure"])
 
     def test_curves_are_over_seconds_if_the_run_has_a_sample_period(self):
         run = self.make_run(configuration={"model": {"sample_period": 0.1}})

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import io
 import os
+import warnings
 from typing import Dict, List, Sequence, Tuple
 
 from matplotlib.figure import Figure
+
+from plotting import style
 
 KINDS = ("png", "svg")
 
@@ -35,7 +38,15 @@ def content(figure: Figure, kind: str) -> bytes:
     """The figure as a file. Without a date, equal inputs give equal files."""
     dateless = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind, metadata=dateless.get(kind))
+    chosen = style.chosen_width
+    with warnings.catch_warnings():
+        if chosen is not None:
+            warnings.filterwarnings("error", "constrained_layout not applied")
+        try:
+            figure.savefig(buffer, format=kind, metadata=dateless.get(kind))
+        except UserWarning as error:
+            raise error if chosen is None else ValueError(
+                "--width: {:g}: must be larger, as the panels of this figure have no room".format(25.4 * chosen)) from None
     return buffer.getvalue()
 
 

@@ -53,12 +53,13 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
         axes.plot(frequency, gain, color=style.colour(at), linewidth=1.8,
                   label=("{}: peak {:.4g} at {:.3g} rad/s".format(name, height, where) if np.isfinite(height)
                          else "{}: the loop is unstable".format(name)))
-        axes.plot([where], [height], style.marker(at), color=style.colour(at), markersize=6,
+        axes.plot([max(where, SHOWN[0])], [height], style.marker(at), color=style.colour(at), markersize=6,
                   markeredgecolor="white", clip_on=False, zorder=5)
     draw_limit(axes, 1.15 * top)
     fastest = max(np.pi / analysis.number("sample_period") for analysis in analyses)
     axes.text(0.99 * fastest, 1.14 * top, "errors grow along the string", ha="right", va="top", color=style.BOUND)
-    axes.set_xlim(0.0, fastest)
+    axes.set_xscale("log")
+    axes.set_xlim(SHOWN[0], fastest)
     axes.set_xlabel("frequency [rad/s]")
     axes.set_ylabel("gain along the string")
     axes.legend()

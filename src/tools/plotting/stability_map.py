@@ -47,7 +47,7 @@ def draw(given: sp.StabilityMap) -> Figure:
         draw_peaks(figure, axes, stability)
     else:
         draw_loss_gains(figure, axes, stability)
-    entries = [style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border")]
+    entries: List[Any] = []
     if np.nanmax(stability.spectral_radius) > 1.0:
         axes.contourf(stability.xs, stability.ys, stability.spectral_radius,
                       levels=[1.0, np.nanmax(stability.spectral_radius) + 1.0], colors="white", hatches=["////"])
@@ -58,7 +58,8 @@ def draw(given: sp.StabilityMap) -> Figure:
         if region.any():
             axes.contourf(stability.xs, stability.ys, region.astype(float), levels=[0.5, 1.5], colors="white", hatches=[hatch])
             entries.append(hatched(hatch, label))
-    draw_border(axes, stability)
+    if draw_border(axes, stability):
+        entries.insert(0, style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border"))
     if stability.up == "gain":
         entries += mark_paper_points(axes, stability)
     axes.set_xlim(stability.xs[0], stability.xs[-1])
@@ -97,12 +98,14 @@ def draw_cells(figure: Figure, axes: Axes, stability: sp.StabilityMap, values: A
     return bar
 
 
-def draw_border(axes: Axes, stability: sp.StabilityMap) -> None:
+def draw_border(axes: Axes, stability: sp.StabilityMap) -> bool:
+    """Returns whether the map has a border."""
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
-        return
+        return False
     contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5], linewidths=0.0)
     for line in contour.allsegs[0]:
         axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
+    return bool(contour.allsegs[0])
 
 
 def smoothed(line: Array) -> Array:
@@ -129,12 +132,12 @@ def is_papers(stability: sp.StabilityMap) -> bool:
 
 def mark_paper_points(axes: Axes, stability: sp.StabilityMap) -> List[Any]:
     """Marks the points of the paper's example if the map has them; returns their entry of the legend."""
-    if not is_papers(stability):
+    shown = [point for point in PAPER_POINTS
+             if stability.xs[0] <= point[0] <= stability.xs[-1] and stability.ys[0] <= point[1] <= stability.ys[-1]]
+    if not shown or not is_papers(stability):
         return []
-    for headway, gain, side, alignment in PAPER_POINTS:
-        if stability.xs[0] <= headway <= stability.xs[-1] and stability.ys[0] <= gain <= stability.ys[-1]:
-            axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
-            axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
-                          va="center", textcoords="offset points",
-                          path_effects=[withStroke(linewidth=2.5, foreground="white")])
+    for headway, gain, side, alignment in shown:
+        axes.plot([headway], [gain], "o", color=style.INK, markerfacecolor="white", markersize=6)
+        axes.annotate("$h = {:g}$".format(headway), (headway, gain), xytext=(7 * side, 0), ha=alignment,
+                      va="center", textcoords="offset points", path_effects=[withStroke(linewidth=2.5, foreground="white")])
     return [style.legend_entry(color=style.INK, marker="o", linestyle="", markerfacecolor="white", markersize=6, label="the paper's example")]
