@@ -47,7 +47,6 @@ public:
 
   // For endless runs, whose number of steps is not known.
   void clear() { values_.clear(); }
-  std::size_t size() const { return values_.size(); }
   void extend_to(std::size_t size) { values_.resize(size, std::nan("")); }
 
   py::array_t<double> array() {
@@ -99,23 +98,28 @@ std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<St
     places[parse_topic(topic_of(streams[at], configuration)).value().key()] = at;
   std::vector<StreamTable> tables(streams.size(), StreamTable(run, first, end));
   std::vector<bool> is_empty(streams.size(), true);
+  // An attempt sends the values of the one before again, but in an endless run, which begins anew: there all streams of
+  // the recording show the last attempt and its length.
+  const bool endless = run.steps == 0;
   std::uint32_t attempt = 0;
-  BagStream bags(source, [&](const PlatoonTopic& topic) { return places.count(topic.key()) > 0; });
+  std::size_t longest = 0;
+  BagStream bags(source, [&](const PlatoonTopic& topic) {
+    return places.count(topic.key()) > 0 || (endless && topic.kind < PlatoonTopic::Kind::error_statistics);
+  });
   while (const std::optional<RecordedMessage> recorded = bags.next()) {
-    const std::size_t at = places.at(recorded->topic.key());
+    const auto at = places.find(recorded->topic.key());
     const auto message = recorded->position();
-    is_empty[at] = false;
-    // An attempt sends the values of the one before again, but in an endless run, which begins anew.
-    if (run.steps == 0 && message->attempt < attempt) continue;
-    if (run.steps == 0 && message->attempt > attempt) {
+    if (at != places.end()) is_empty[at->second] = false;
+    if (endless && message->attempt < attempt) continue;
+    if (endless && message->attempt > attempt) {
       for (StreamTable& table : tables) table.clear();
+      longest = 0;
     }
     attempt = message->attempt;
-    tables[at].take(*message);
+    if (message->step >= -1) longest = std::max(longest, static_cast<std::size_t>(message->step + 2));
+    if (at != places.end()) tables[at->second].take(*message);
   }
-  std::size_t longest = 0;
-  for (const StreamTable& table : tables) longest = std::max(longest, table.size());
-  if (run.steps == 0) {
+  if (endless) {
     for (StreamTable& table : tables) table.extend_to(longest);
   }
   const auto missing = static_cast<std::size_t>(std::find(is_empty.begin(), is_empty.end(), true) - is_empty.begin());

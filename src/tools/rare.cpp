@@ -147,10 +147,13 @@ int rare_main(int argc, char** argv) {
     configuration.run.hosting = platoon::Hosting::monte_carlo;
     const platoon::RareOptions options = platoon::rare_options(given.options);
     const auto requirement = platoon::rare_requirement(given.options);
+    if (requirement && !given.has("trajectories")) platoon::require_no_rare_results(configuration.run.output);
     if (requirement) configuration = fulfilling(*requirement, configuration, options, given);
     const platoon::RareRun run = prepared(configuration, options);
     if (!requirement) platoon::require_an_estimate(run);
     if (given.has("trajectories")) {
+      if (given.has("shard"))
+        throw platoon::ConfigurationError({"shard: given: must be absent beside trajectories"});
       write_trajectories(run, given["vehicle"], given["only"]);
       return 0;
     }

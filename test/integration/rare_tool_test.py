@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The program `rare` and its module: bits, interruptions, replays, plots, required distances, and bad input."""
 
+import json
 import os
 import signal
 import subprocess
@@ -74,6 +75,27 @@ class Estimations(RareTest):
         self.assertIn("below: 0 m: levels die out: no path of vehicle_1", self.document("far")["problems"]["1"])
         self.assertTrue(np.isnan(rows["1"]["probability"]) and rows["2"]["probability"] > 0.0, rows)
         self.assertLess(rows["1"]["upper"], 0.1)  # of a gap below one of the levels that the paths have reached
+
+    def test_losses_that_no_path_sees_are_in_the_upper_limit(self):
+        """23 of 20,000,000 realizations have the event; the estimate is that of the noise alone, 20 times less."""
+        rare = {"probability": 1e-6, "mean_burst": 25, "on_loss": "extrapolate"}
+        model = self.write("bursts.yaml", json.dumps({
+            "plant": {"actuator_lag": 0.2}, "controller": {"kp": 0.2, "kd": 0.7, "headway_filter": True}, "time_headway_seconds": 2.0,
+            "standstill_distance": 4.0, "sample_period": 0.2, "start": "steady", "leader": {"speed": [{"from_step": 0, "value": 20.0}]},
+            "inputs": [{"signal": "position", "from": "predecessor", "noise_variance": 0.3, "channel": {"loss": rare}}],
+            "initial_position": {"mean": 0.0, "variance": 0.0}}))
+        row = self.estimate("bursts", model, followers=1, steps=60, below=43.3, realizations=4000)["1"]
+        self.assertLess(row["probability"], 2e-7)
+        visits = 1e-6 + 60 * 1e-6 / 25
+        self.assertTrue(1.15e-6 < visits < row["upper"] < 1.2 * visits, row)
+        self.assertIn("rare losses, of probability 3.4e-06 in a realization, are in fewer than one path of a repetition", self.document("bursts")["problems"]["1"])
+
+    def test_one_follower_out_of_reach_has_an_upper_limit(self):
+        row = self.estimate("alone", self.model(standstill_distance=80.0), followers=1, steps=20, realizations=2000, method="split")["1"]
+        self.assertTrue(np.isnan(row["probability"]) and row["upper"] < 0.1, row)
+        taken = tool("rare", model=self.model(standstill_distance=80.0), followers=1, steps=20, realizations=2000, required=1e-3, output=self.path("alone"))
+        self.assertEqual((taken.returncode, taken.stdout), (1, ""))
+        self.assertIn("holds a rare.csv already", taken.stderr)
 
     def test_bad_input(self):
         model = self.model(standstill_distance=2.0)

@@ -259,6 +259,16 @@ class Report(RunTest):
             for path, _ in report_page.flattened(sp.Model.load(name).to_dict()):
                 self.assertNotEqual(bool(report_page.unit_of(path)), path.rsplit("/", 1)[-1] in without, "{}: {}".format(name, path))
 
+    def test_inputs_are_shown_whole_but_long_lists_are_cut(self):
+        inputs = [{"signal": "position", "noise_variance": 0.02, "channel": {"delay": n, "loss": {"trace": {"runs": [3, 1] * 500}}}} for n in range(20)]
+        shown = dict(report_page.flattened({"inputs": inputs, "leader": {"speed": [{"from_step": k, "value": 20.0} for k in range(3000)]},
+                                            "types": {"car": {"inputs": inputs}}}))
+        self.assertEqual(shown["inputs"].count("'signal': 'position', 'noise_variance': 0.02"), 20)
+        self.assertEqual(shown["inputs"].count("(1000 values)"), 20)
+        self.assertEqual(shown["types/car/inputs"], shown["inputs"])
+        self.assertLess(len(shown["leader/speed"]), 200)
+        self.assertIn("(3000 values)", shown["leader/speed"])
+
     def test_a_run_that_fails_its_check_shows_the_reason(self):
         summary = self.summary()
         summary["agreement"]["max_abs_z_mean"] = 9.5

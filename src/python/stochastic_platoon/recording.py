@@ -57,8 +57,9 @@ class Recording:
             raise IndexError("realization: {}: must be from 0 to {}".format(first, total - 1))
         vehicles = [model.vehicle(i) for i in range(followers + 1)]
         end = min(first + count, total)
-        positions = self._streams([("position", i) for i in range(followers + 1)], first, end)
-        received = self._streams([("received_position", i) for i in range(1, followers + 1)], first, end)
+        names = [("position", i) for i in range(followers + 1)] + [("received_position", i) for i in range(1, followers + 1)]
+        streams = self._streams(names, first, end)
+        positions, received = streams[:followers + 1], streams[followers + 1:]
         period = model.sample_period
         steps = np.arange(-1.0, positions[0].shape[1] - 1.0)
         seconds = np.array([float("{:.10g}".format(step * period)) for step in steps])

@@ -75,12 +75,17 @@ def flattened(value: Any, path: str = "") -> Iterator[Tuple[str, str]]:
         for key, inner in value.items():
             yield from flattened(inner, "{}/{}".format(path, key) if path else str(key))
         return
+    yield path, str([shortened(inner) for inner in value] if path == "inputs" or path.endswith("/inputs") else shortened(value))
+
+
+def shortened(value: Any) -> Any:
+    """The value, with the beginnings of long texts and lists in their place."""
+    if isinstance(value, dict):
+        return {key: shortened(inner) for key, inner in value.items()}
     text = str(value)
-    if isinstance(value, list) and any(isinstance(inner, dict) for inner in value):
-        yield path, text  # only numbers are cut
-        return
-    more = " … ({} values)".format(len(value)) if isinstance(value, list) and len(text) > LONGEST_VALUE else ""
-    yield path, text if not more and len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + (more or " …")
+    if len(text) <= LONGEST_VALUE:
+        return value
+    return text[:LONGEST_VALUE] + (" … ({} values)".format(len(value)) if isinstance(value, list) else " …")
 
 
 def unit_of(path: str) -> str:

@@ -12,7 +12,8 @@
 namespace platoon {
 
 bool LossModel::is_independent() const {
-  if ((trace || by_distance || markov) && probability > 0.0) return false;
+  if (!(probability > 0.0)) return true;
+  if (trace || by_distance || markov) return false;
   return !mean_burst || std::abs(after_loss() - after_arrival()) < 1e-15;
 }
 

@@ -51,13 +51,18 @@ std::string rounded_away(const ClosedLoop& loop, double headway) {
       gain.value, gain.slope, headway);
 }
 
-/// The reason why the equilibrium of a loop with T(1) = 1 is not found: rounding, as that loop has no pole at z = 1.
-std::string rounded_equilibrium(const ClosedLoop& loop) {
+/// The distance from z = 1 of the nearest pole.
+long double slowest(const ClosedLoop& loop) {
   long double nearest = std::numeric_limits<long double>::infinity();
   for (const std::complex<long double>& s : poles_of(loop)) nearest = std::min(nearest, std::abs(s));
+  return nearest;
+}
+
+/// The reason why the equilibrium of a loop with T(1) = 1 is not found: rounding, as that loop has no pole at z = 1.
+std::string rounded_equilibrium(const ClosedLoop& loop) {
   return formatted(
       "the closed loop is too slow for its sample period: a pole lies %.3Lg beside z = 1, so close that A has an eigenvalue at 1 to the rounding of double, and the equilibrium in which the vehicles start is lost: increase sample_period, or the gain of the slow mode (ki), or decrease the headway",
-      nearest);
+      slowest(loop));
 }
 
 }  // namespace
@@ -92,8 +97,10 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
         mode.real(), pair.c_str()));
   }
   if (rho >= 1.0 && !allow_unstable) return found;
+  constexpr long double kNearest = 1e-11L;  // A to the rounding of double has five digits of this pole
   try {
     unit_equilibrium(loop.realization);
+    if (slowest(loop) < kNearest) found.push_back(rounded_equilibrium(loop));
   } catch (const std::invalid_argument& error) {
     found.push_back(tracks_a_ramp(gain, headway) ? rounded_equilibrium(loop) : error.what());
   }

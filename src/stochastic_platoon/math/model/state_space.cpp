@@ -32,11 +32,33 @@ double spectral_radius(const StateSpace& system) {
   return spectral_radius(zeros(resolvent(system).delta_transfer->denominator));
 }
 
-Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
+namespace {
+
+/// Powers of two that bring the largest entry of each row next to 1; 1 for a row of zeros.
+Eigen::VectorXd row_scales(const Eigen::MatrixXd& m) {
+  return m.rowwise().lpNorm<Eigen::Infinity>().unaryExpr(
+      [](double largest) { return largest > 0.0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0; });
+}
+
+/// The solution of (I - A) x = b. The rates of a loop that is sampled fast are small numbers, in a matrix that is
+/// regular only in their units.
+Eigen::VectorXd solve_at_one(const StateSpace& system, const Eigen::VectorXd& b) {
   const Eigen::Index n = system.order();
-  const Eigen::FullPivLU<Eigen::MatrixXd> resolvent(Eigen::MatrixXd::Identity(n, n) - system.a());
-  if (!resolvent.isInvertible()) throw std::invalid_argument("A: has an eigenvalue at 1: no equilibrium exists");
-  const Eigen::VectorXd state = resolvent.solve(system.b());
+  const Eigen::MatrixXd given = Eigen::MatrixXd::Identity(n, n) - system.a();
+  const Eigen::FullPivLU<Eigen::MatrixXd> resolvent(given);
+  if (resolvent.isInvertible()) return resolvent.solve(b);
+  const Eigen::VectorXd rows = row_scales(given);
+  const Eigen::MatrixXd by_rows = rows.asDiagonal() * given;
+  const Eigen::VectorXd columns = row_scales(by_rows.transpose());
+  const Eigen::FullPivLU<Eigen::MatrixXd> scaled(by_rows * columns.asDiagonal());
+  if (!scaled.isInvertible()) throw std::invalid_argument("A: has an eigenvalue at 1: no equilibrium exists");
+  return columns.cwiseProduct(scaled.solve(rows.cwiseProduct(b)));
+}
+
+}  // namespace
+
+Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
+  const Eigen::VectorXd state = solve_at_one(system, system.b());
   const double output = system.c() * state;
   if (output == 0.0) throw std::invalid_argument("T(1) = 0: no equilibrium with output 1 exists");
   return state / output;
@@ -45,9 +67,7 @@ Eigen::VectorXd unit_equilibrium(const StateSpace& system) {
 // x(k) = r + k q: q is the equilibrium, and (I - A) r + q = B l with C r = 0.
 Eigen::VectorXd unit_ramp(const StateSpace& system) {
   const Eigen::VectorXd rest = unit_equilibrium(system);
-  const Eigen::Index n = system.order();
-  const Eigen::VectorXd lagging =
-      Eigen::FullPivLU<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(n, n) - system.a()).solve(rest);
+  const Eigen::VectorXd lagging = solve_at_one(system, rest);
   return rest * (system.c() * lagging).value() - lagging;
 }
 

@@ -47,6 +47,13 @@ public:
   /// The levels of a row's gap [m]; none without a splitting.
   virtual std::vector<double> levels(std::size_t /*row*/) const { return {}; }
 
+  /// What the samples are unlikely to see at all, however important it is for the event.
+  struct Unseen {
+    double probability = 0.0;   ///< at most, in a realization
+    double realizations = 0.0;  ///< that would see it
+  };
+  virtual Unseen unseen(std::size_t /*row*/) const { return {}; }
+
   /// The reason why a row's event has no estimate; empty if it has one.
   virtual std::string problem(std::size_t /*row*/) const { return ""; }
 

@@ -6,7 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/link_model.hpp"
+#include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -214,6 +216,27 @@ Splitting::Row Splitting::pilot(std::size_t row) const {
   result.problem = formatted("below: %g m: more than %zu levels, of which the last is at %g m: must be larger",
                              event_.below, kMostLevels, result.levels.back());
   return result;
+}
+
+RareEstimator::Unseen Splitting::unseen(std::size_t row) const {
+  Unseen found;
+  for (std::size_t i = 1; i <= last_follower(row); ++i) {
+    const std::vector<Input>& inputs = vehicle(model_, i).inputs;
+    for (std::size_t n = 0; n < inputs.size(); ++n) {
+      if (!inputs[n].link.loses() || first_of_packet(inputs, n) != n) continue;
+      const LossChain chain(*inputs[n].link.loss);
+      const Eigen::VectorXd& share = chain.stationary();
+      for (Eigen::Index mode = 0; mode < chain.modes(); ++mode) {
+        const double stays = share(mode) * chain.transition()(mode, mode);
+        const double entries = share.dot(chain.transition().col(mode)) - stays;
+        const double visits = share(mode) + static_cast<double>(event_.steps) * entries;
+        if (!(visits * static_cast<double>(paths_) < 1.0)) continue;
+        found.probability = std::min(1.0, found.probability + visits);
+        found.realizations = std::max(found.realizations, static_cast<double>(kRepetitions) / visits);
+      }
+    }
+  }
+  return found;
 }
 
 BatchWork Splitting::work() const {

@@ -17,7 +17,8 @@ namespace platoon {
 /// Paths of one origin have the same gap at step k. Metropolis moves therefore change all their normal draws, g <- rho
 /// g + sqrt(1 - rho^2) g', and their uniform draws (losses, dither) from up to J steps before the crossing on; they are
 /// accepted if the path falls below the level again, in the latter case within J steps. One sample is one repetition;
-/// the scatter of the repetitions gives the standard error. References: P. Del Moral, J. Garnier, Ann. Appl. Probab.
+/// the scatter of the repetitions gives the standard error. It does not show modes of losses that no path starts with:
+/// see unseen(). References: P. Del Moral, J. Garnier, Ann. Appl. Probab.
 /// 15, 2005; S.-K. Au, J. Beck, Probab. Eng. Mech. 16, 2001.
 class Splitting : public RareEstimator {
 public:
@@ -35,6 +36,10 @@ public:
   BatchWork work() const override;
   std::vector<double> levels(std::size_t row) const override { return rows_[row].levels; }
   std::string problem(std::size_t row) const override { return rows_[row].problem; }
+
+  /// The modes of losses (see LossChain) that fewer than one path of a repetition visits: each is visited with a
+  /// probability of at most pi_c + K sum_{b != c} pi_b Pi_bc in K steps.
+  Unseen unseen(std::size_t row) const override;
 
   /// A path that reaches the last level in the repetition `sample`, by default in the first one that has any.
   std::shared_ptr<const ChangedDraws> replay(std::size_t row, std::optional<std::uint64_t> sample) const override;

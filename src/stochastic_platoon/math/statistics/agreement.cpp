@@ -103,7 +103,7 @@ Scores scores_of_any(const Comparison& of) {
   const double fourth = measured.fourth_deviations + 4.0 * shift * measured.cubed_deviations +
                         6.0 * square * measured.squared_deviations + n * square * square;
   const double of_mean = mean_score_of_any(of);
-  if (measured.count < 2) return {of_mean, kNaN};
+  if (measured.count < 2 || std::isinf(of.fourth_moment)) return {of_mean, kNaN};
   const double difference = n * beyond(squared / n - variance, rounding_of_variance(variance, of.rounding));
   const double squares = fourth - 2.0 * variance * squared + n * variance * variance;
   return {of_mean, self_normalized_score(difference, squares, n * (of.fourth_moment - variance * variance))};
@@ -153,6 +153,7 @@ void LargestScores::add_mean(const Comparison& of) {
 }
 
 void LargestScores::add(const Comparison& of) {
+  if (std::isinf(of.fourth_moment)) return add_mean(of);
   comparisons_ += 2;
   means_only_ = false;
   is_of_any_ = is_of_any_ || !std::isnan(of.fourth_moment);

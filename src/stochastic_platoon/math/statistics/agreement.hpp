@@ -52,7 +52,8 @@ struct Comparison {
 /// l of variance 1 / b (V. de la Pena, M. Klass, T. L. Lai, Annals of Probability 32, 2004). The measured sum d^2 keeps
 /// a rare event in the sample from counting too much, and the known D keeps a missing rare event from counting too
 /// little. With b = n D / 32 the score is the root of (33 / 32) ((sum d)^2 / (y + b) - ln((y + b) / (33 b))): a
-/// distance in standard errors if sum d^2 is near n D. Its bound is plausible_score_of_any().
+/// distance in standard errors if sum d^2 is near n D. Its bound is plausible_score_of_any(). With an infinite
+/// m_4 the variance has no score.
 ///
 /// `rounding` bounds the rounding error of one value. Deviations of the mean and of the standard deviation up to it
 /// count as zero; beyond it a score is infinite if v = 0. A score is NaN if one of its values is; that of the variance

@@ -73,7 +73,7 @@ struct FollowerGaps {
   /// beyond them.
   std::map<std::int64_t, std::uint64_t> histogram = {};
 
-  static constexpr std::int64_t kMostBins = 10000;
+  static constexpr std::int64_t kMostBins = 100000;  ///< 200 m with noise of 1 cm
 };
 
 /// Smallest gaps of every follower, as a pure function of the set of realizations: counts add up, and among equal gaps

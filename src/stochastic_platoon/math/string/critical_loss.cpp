@@ -54,15 +54,15 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const PlatoonModel model = with_loss_stage(given);
   const std::vector<std::string> types = types_with_default(model, &Inherited::loss_probability);
   if (types.empty()) return std::nullopt;
+  const double own = model.default_vehicle().varied_link().loss->probability;
   // In hundredths. Where others than predecessors are heard, each sample takes a verdict of the whole string.
   const int stride = given.default_vehicle().varied_link().loss && hears_predecessors_only(given) ? 1 : 5;
-  const bool bursts = has_bursts(model);
+  const bool bursts = has_bursts(model) || (own == 0.0 && has_bursts(with_loss_in_bursts(model, 0.01)));
   const double largest = bursts ? largest_probability(model) : 0.99;
   std::vector<double> samples;
   for (int i = 0; i < 99 && 0.01 * i < largest; i += stride) samples.push_back(0.01 * i);
   samples.push_back(largest);
   StableLosses losses{{}, {}, types, largest};
-  const double own = model.default_vehicle().varied_link().loss->probability;
   const auto place = std::lower_bound(samples.begin(), samples.end(), own);
   if (place != samples.end() && *place != own) samples.insert(place, own);
   const VariedMargins margins = varied_margins(

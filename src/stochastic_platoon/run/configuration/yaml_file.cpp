@@ -16,26 +16,31 @@ class DocumentStart : public YAML::EventHandler {
 public:
   int line = 0;  ///< from 0
   bool has_alias = false;
+  std::size_t values = 0;
   void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line; }
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override { ++values; }
   void OnAlias(const YAML::Mark&, YAML::anchor_t) override { has_alias = true; }
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override { ++values; }
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    ++values;
+  }
   void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    ++values;
+  }
   void OnMapEnd() override {}
 };
 
 /// Copies nodes so that an alias has a value of its own: an override of one place must not change others.
 class Unshared {
 public:
-  explicit Unshared(const std::string& name) : name_(name) {}
+  /// `values`: of the file, each alias as one.
+  Unshared(const std::string& name, std::size_t values) : name_(name), most_(values + kMost) {}
 
   YAML::Node operator()(const YAML::Node& node, int depth = 0) {
-    constexpr std::size_t kMost = 100000;
     constexpr int kDeepest = 100;  // an alias may stand for a mapping that contains it
-    if (++values_ > kMost || depth > kDeepest)
+    if (++values_ > most_ || depth > kDeepest)
       throw ConfigurationError({name_ + ": aliases stand for more than " + std::to_string(kMost) + " values or " +
                                 std::to_string(kDeepest) + " levels: must be fewer"});
     if (!node.IsMap() && !node.IsSequence()) return YAML::Clone(node);
@@ -50,8 +55,10 @@ public:
   }
 
 private:
+  static constexpr std::size_t kMost = 100000;
+
   const std::string& name_;
-  std::size_t values_ = 0;
+  std::size_t most_, values_ = 0;
 };
 
 }  // namespace
@@ -67,7 +74,7 @@ YAML::Node parse_yaml(const std::string& text, const std::string& name) {
     if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
       throw ConfigurationError(
           {name + ": several documents, one from line " + std::to_string(start.line + 1) + " on: must be one"});
-    return start.has_alias ? Unshared(name)(document) : document;
+    return start.has_alias ? Unshared(name, start.values)(document) : document;
   } catch (const YAML::Exception& error) {
     throw ConfigurationError({name + ": must be YAML: " + error.what()});
   }

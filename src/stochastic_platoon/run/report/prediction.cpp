@@ -26,20 +26,29 @@ namespace {
 constexpr char kNoFourthMoments[] =
     "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the means alone are judged";
 
-constexpr char kOnlyTheStart[] =
-    "losses, and a random start without noise: few realizations carry what is left of its variance, so that the means alone are judged";
-
-// Whether the start alone is random, but for losses.
-bool has_only_start(const PlatoonModel& model) {
-  const std::vector<VehicleModel> vehicles = pattern(model);
-  const auto is_random = [](const VehicleModel& of) { return of.initial_position.variance > 0.0; };
-  const auto is_quiet = [](const VehicleModel& of) {
-    return std::all_of(of.inputs.begin(), of.inputs.end(), [](const Input& input) {
-      return input.noise_variance == 0.0 && input.link.quantisation_step == 0.0;
-    });
-  };
-  return loses(model) && std::any_of(vehicles.begin(), vehicles.end(), is_random) &&
-         std::all_of(vehicles.begin(), vehicles.end(), is_quiet);
+// The cells in which losses carry on what is left of the start, or of a change of speed, in more than a share of the
+// variance: that is a product of random factors, which few realizations carry, so that its fourth moment is unknown.
+std::size_t void_remainders(const PlatoonModel& model, const RunOptions& run, const std::vector<double>& variance,
+                            std::vector<double>& fourth_cumulant) {
+  constexpr double kDecayed = 0.1, kShare = 0.02;
+  PlatoonModel quiet = model;
+  quiet.leader = LeaderProfile({}, model.sample_period);
+  quiet.recorded_leader.clear();
+  for (VehicleType& type : quiet.types) type.vehicle.initial_position = {};
+  const std::vector<double> of_noise = error_moments(quiet, run.followers, run.steps).variance;
+  std::size_t found = 0;
+  for (std::size_t i = 1; i <= run.followers; ++i) {
+    double largest = 0.0;
+    for (std::int64_t k = 0; k < run.steps; ++k) {
+      const std::size_t c = cell(i, k, run.steps);
+      const double left = variance[c] - of_noise[c];
+      largest = std::max(largest, left);
+      if (!(left < kDecayed * largest && left > kShare * variance[c])) continue;
+      fourth_cumulant[c] = kInfinity;
+      ++found;
+    }
+  }
+  return found;
 }
 
 // Widens bounds of rounding to a nanometre, or to 1e-9 of a mean that grows: runs and chain_moments() round their means
@@ -153,9 +162,11 @@ Prediction theory_of(const Configuration& configuration) {
   } else {
     StringMoments moments =
         string_moments(configuration.model, run.signals, run.followers, run.steps, &prediction.fourth_cumulant);
-    const bool only_start = !of_chain && has_only_start(configuration.model);
-    if (of_chain || only_start) prediction.warning = only_start ? kOnlyTheStart : kNoFourthMoments;
-    prediction.means_only = of_chain || only_start;
+    if (of_chain) prediction.warning = kNoFourthMoments;
+    prediction.means_only = of_chain;
+    if (!prediction.fourth_cumulant.empty())
+      prediction.remainders =
+          void_remainders(configuration.model, run, moments.errors.variance, prediction.fourth_cumulant);
     if (plain) prediction.rounding = rounding_bounds(configuration.model, moments.errors);
     prediction.mean.swap(moments.errors.mean);
     prediction.variance.swap(moments.errors.variance);
@@ -179,6 +190,10 @@ Prediction theory_of(const Configuration& configuration) {
 Prediction predict(const Configuration& configuration) {
   Prediction prediction = theory_of(configuration);
   prediction.warnings = plausibility_warnings(configuration);
+  if (prediction.remainders > 0)
+    prediction.warnings.push_back(formatted(
+        "losses carry on what is left of the start or of a change of speed, in few realizations: %zu of %zu variances are not judged",
+        prediction.remainders, prediction.variance.size()));
   return prediction;
 }
 

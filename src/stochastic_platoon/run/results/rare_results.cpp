@@ -76,12 +76,20 @@ RareRow row_of(const Configuration& configuration, const RareEstimator& estimato
   std::size_t deepest = nested.size();
   while (deepest > 1 && !(nested[deepest - 1].relative_error <= kLargestError)) --deepest;
   if (deepest == 0 || std::isnan(nested[deepest - 1].reach)) return of;
-  const double upper = nested[deepest - 1].log_probability + nested[deepest - 1].reach;
-  of.log_upper = limited(std::max(upper, nested.back().log_probability + nested.back().reach));
+  const double upper = std::max(nested[deepest - 1].log_probability + nested[deepest - 1].reach,
+                                nested.back().log_probability + nested.back().reach);
+  const RareEstimator::Unseen unseen = estimator.unseen(row);
+  of.log_upper = limited(unseen.probability > 0.0 ? std::log(std::exp(upper) + unseen.probability) : upper);
   if (deepest < nested.size() && of.problem.empty())
     of.problem = formatted(
         "row %s: an error of %.0f %% is too large for an upper end: it is that of gaps below %g m; realizations must be more for a nearer one",
         of.vehicle.c_str(), 100.0 * of.relative_error, estimator.levels(row)[deepest - 1]);
+  if (unseen.probability > 0.0) {
+    if (!of.problem.empty()) of.problem += "; ";
+    of.problem += formatted(
+        "row %s: rare losses, of probability %.2g in a realization, are in fewer than one path of a repetition: the estimate is without them, and the upper end counts them as events; realizations must be more than %.2g",
+        of.vehicle.c_str(), unseen.probability, unseen.realizations);
+  }
   return of;
 }
 

@@ -37,7 +37,8 @@ double log_per_hour(const Configuration& configuration, double log_probability);
 /// 1.5 / n for n samples, as these do not show what happens once in n samples. Behind the first of several nested
 /// events, an s above 0.2 means that few of the samples make up the estimate, which is then mostly too small. The upper
 /// end is at least that of the deepest of the row's events whose s is at most 0.2, as P is below its probability.
-/// Estimate and interval are cut off at the limits of the theory. `weights`: of all nested events of all rows.
+/// What no sample is likely to see (RareEstimator::unseen()) is added to the upper end. Estimate and interval are cut
+/// off at the limits of the theory. `weights`: of all nested events of all rows.
 std::vector<RareRow> rare_rows(const Configuration& configuration, const RareEstimator& estimator,
                                const std::vector<Moments>& weights);
 

@@ -108,7 +108,7 @@ double standard_error_of_mean(const ResultCell& of) {
 }
 
 double standard_error_of_variance(const ResultCell& of) {
-  if (!std::isnan(of.fourth_moment)) {
+  if (std::isfinite(of.fourth_moment)) {
     const double v = of.theoretical_variance;
     return std::sqrt((of.fourth_moment - v * v) / static_cast<double>(of.measured.count));
   }
@@ -203,8 +203,10 @@ std::optional<double> realizations_needed(const RunOptions& run, const Predictio
   }
   const std::size_t judged = std::min(cells_with_theory(run, prediction), fourth.size());
   double needed = 2.0;
-  for (std::size_t c = 0; c < judged; ++c)
+  for (std::size_t c = 0; c < judged; ++c) {
+    if (std::isinf(fourth[c]) && std::isfinite(prediction.variance[c] * prediction.variance[c])) continue;
     needed = std::max(needed, values_needed(prediction.variance[c], fourth[c], 2 * judged));
+  }
   return needed;
 }
 

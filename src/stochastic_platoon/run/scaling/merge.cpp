@@ -39,7 +39,7 @@ private:
   void add(const std::string& folder) {
     try {
       const std::optional<Checkpoint> found = read_checkpoint(folder);
-      if (!found) return reject(folder, "holds no shard: must be the output of a --shard");
+      if (!found) return reject(folder, "holds no shard: must be the output of monte_carlo --shard or rare --shard");
       if (found->shard.is_null()) return reject(folder, "holds a run of " + extent_of(*found) + " and no shard");
       take(folder, *found);
     } catch (const ConfigurationError& error) {

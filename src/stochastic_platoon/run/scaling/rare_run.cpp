@@ -21,12 +21,6 @@ namespace {
 constexpr char kAuto[] = "auto", kCondition[] = "condition", kSplit[] = "split";
 constexpr char kDistance[] = "standstill_distance", kHeadway[] = "time_headway";
 
-void require_no_rare_results(const std::string& output) {
-  if (!may_exist(output + "/rare.csv")) return;
-  throw ConfigurationError(
-      {"output: " + output + ": holds a rare.csv already, which is never overwritten: must be another folder"});
-}
-
 void require_known(const Configuration& configuration, RareOptions& options) {
   const RunOptions& run = configuration.run;
   std::vector<std::string> problems;
@@ -196,9 +190,15 @@ double required_value(const RareRequirement& requirement, double start,
   return high;
 }
 
+void require_no_rare_results(const std::string& output) {
+  if (!may_exist(output + "/rare.csv")) return;
+  throw ConfigurationError(
+      {"output: " + output + ": holds a rare.csv already, which is never overwritten: must be another folder"});
+}
+
 void require_an_estimate(const RareRun& run) {
   for (std::size_t row = 0; row <= run.configuration.run.followers; ++row) {
-    if (run.estimator->problem(row).empty()) return;
+    if (run.estimator->problem(row).empty() || !run.estimator->log_scales(row).empty()) return;
   }
   throw ConfigurationError({run.estimator->problem(0)});
 }

@@ -68,8 +68,11 @@ double required_value(const RareRequirement& requirement, double start,
                       const std::function<RareRun(double value)>& estimation, const ShardSettings& settings,
                       const std::function<void(double value, double figure)>& tried);
 
-/// Throws ConfigurationError if no row has an estimate.
+/// Throws ConfigurationError if no row has an estimate or an upper limit.
 void require_an_estimate(const RareRun& run);
+
+/// Throws ConfigurationError if the folder has the results of an estimation.
+void require_no_rare_results(const std::string& output);
 
 /// A sample in which the event happens, to be simulated as this realization of these draws.
 struct RareReplay {

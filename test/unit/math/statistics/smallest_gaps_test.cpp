@@ -95,7 +95,7 @@ TEST(GapTable, IsTheSameForAnyOrderOfTheBatches) {
 TEST(GapTable, CountsGapsFarOutsideInTheOuterBins) {
   GapTable table(kCounting);
   const double infinite = std::numeric_limits<double>::infinity();
-  table.add(batch(0, {-infinite, infinite, -1e300, 4999.9, 5000.0, 1e9}));
+  table.add(batch(0, {-infinite, infinite, -1e300, 49999.9, 50000.0, 1e9}));
   const std::int64_t most = FollowerGaps::kMostBins;
   EXPECT_EQ(table.followers().front().histogram,
             (std::map<std::int64_t, std::uint64_t>{{-most, 2}, {most - 1, 1}, {most, 3}}));
@@ -112,6 +112,15 @@ TEST(GapCounting, HasARoundBinWidthBelowAFifthOfTheNoise) {
     model.default_vehicle().position().noise_variance = variance;
     EXPECT_DOUBLE_EQ(gap_counting(model, 5).bin_width, width) << variance;
   }
+}
+
+TEST(GapTable, TellsTheGapsOfCarsWithPositionsOfACentimetreApart) {
+  PlatoonModel model = paper_platoon();
+  model.default_vehicle().position().noise_variance = 1e-4;
+  GapTable table(gap_counting(model, 1));
+  table.add(batch(0, {30.001, 90.001, 150.001}));
+  EXPECT_EQ(table.followers().front().histogram,
+            (std::map<std::int64_t, std::uint64_t>{{15000, 1}, {45000, 1}, {75000, 1}}));
 }
 
 }  // namespace

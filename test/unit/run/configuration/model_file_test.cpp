@@ -248,6 +248,12 @@ TEST(ParseYaml, RejectsAliasesWithoutEnd) {
   }
 }
 
+TEST(ParseYaml, CountsTheValuesOfAliasesAlone) {
+  std::string positions = "positions: [0";
+  for (int k = 0; k < 120000; ++k) positions += ", 1";
+  EXPECT_EQ(parse_yaml(positions + "]\na: &v 0.6\nb: *v\n", "model")["positions"].size(), 120001u);
+}
+
 TEST(LoadYaml, NamesAFileThatIsNotYaml) {
   const TemporaryFolder folder;
   const std::string file = folder.file("model.yaml", "plant: [1, 2");
