@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -75,6 +76,16 @@ int analyze_main(int argc, char** argv) {
   try {
     if (given.has("sweep_gain") && !given.has("sweep_headway"))
       throw platoon::ConfigurationError({"--sweep-gain: given: must go with --sweep-headway"});
+    for (const char* target : {"json", "csv"}) {
+      for (const char* source : {"model", "leader"}) {
+        std::error_code none;  // the name of a shipped file is no file here
+        const auto read = given.settings.find(source);
+        if (given.has(target) && read != given.settings.end() &&
+            std::filesystem::equivalent(given[target], read->second, none))
+          throw platoon::ConfigurationError(
+              {std::string(target) + ": " + given[target] + ": is the file of " + source + ": must be another one"});
+      }
+    }
     if (given.has("csv") && !given.has("sweep_headway") && !given.has("sweep_loss") && !given.has("sweep_burst"))
       throw platoon::ConfigurationError({"--csv: given: must go with --sweep-headway, --sweep-loss or --sweep-burst"});
     const platoon::SignalRequest signals = platoon::signal_request(given["signals"], given["collision_probability"]);

@@ -27,6 +27,7 @@ double least_burst(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<CriticalBurst> critical_mean_burst(const PlatoonModel& model) {
+  if (const auto reason = no_theory(model)) throw std::invalid_argument("no theory, as " + *reason);
   const std::vector<std::string> types = types_with_default(model, &Inherited::mean_burst);
   const LinkModel& own = model.default_vehicle().varied_link();
   if (!own.loses() || own.loss->markov || types.empty()) return std::nullopt;

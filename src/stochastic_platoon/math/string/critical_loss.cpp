@@ -49,6 +49,7 @@ double largest_probability(const PlatoonModel& model) {
 }  // namespace
 
 std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
+  if (const auto reason = no_theory(given)) throw std::invalid_argument("no theory, as " + *reason);
   const std::optional<LossModel>& own_loss = given.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return std::nullopt;
   const PlatoonModel model = with_loss_stage(given);

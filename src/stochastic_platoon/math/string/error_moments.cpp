@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/leader_motion.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
 #include "stochastic_platoon/math/links/string_responses.hpp"
@@ -144,7 +145,7 @@ std::vector<double> leader_error(const PlatoonModel& model, std::int64_t steps) 
 
 SignalMoments error_moments(const PlatoonModel& model, std::size_t followers, std::int64_t steps,
                             std::vector<double>* fourth_cumulants) {
-  if (has_limits(model)) throw std::invalid_argument("no theory, as vehicles have limits");
+  if (const auto reason = no_theory(model)) throw std::invalid_argument("no theory, as " + *reason);
   if (needs_chain_moments(model)) return chain_error_moments(model, followers, steps);
   if (!hears_predecessors_only(model)) return hearing_error_moments(model, followers, steps);
   if (start_slope(model) != 0.0) {

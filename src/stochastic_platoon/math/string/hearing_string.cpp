@@ -114,10 +114,11 @@ JudgedGain hearing_gain(const PlatoonModel& model) {
   const HearingGain gain(model);
   const HearingGain::Peak peak = gain.peak();
   if (peak.gain > 1.0 + kDoubt) return {Sign::kBelow, peak.gain - 1.0, peak.frequency};
-  const double at_zero = gain(1e-5);
+  constexpr double kLowest = 1e-7;  // the gain is g(0) + O(w^2), to 1e-10 also for cars sampled at a kilohertz
+  const double at_zero = (4.0 * gain(0.5 * kLowest) - gain(kLowest)) / 3.0;
+  const double excess = std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0;
   JudgedGain judged{1.0 - gain(kLowFrequency) > kDoubt * kLowFrequency ? Sign::kAbove : Sign::kZero,
-                    std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0,
-                    at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
+                    std::abs(excess) < kDoubt ? 0.0 : excess, at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
   judged.falls_apart = gain.falls_apart();
   return judged;
 }

@@ -21,14 +21,43 @@ constexpr std::size_t kMostTheory = 100'000;                       // of the the
 constexpr std::size_t kMostLossyTheory = 2'000;                    // the same where links lose
 constexpr double kShareOfTime = 0.003;                             // of half a minute, of chain_moments()
 
-double fastest_of_leader(const PlatoonModel& model) {
-  double fastest = 0.0;
-  const std::vector<double>& recorded = model.recorded_leader;
-  for (std::size_t k = 1; k < recorded.size(); ++k)
-    fastest = std::max(fastest, std::abs(recorded[k] - recorded[k - 1]) / model.sample_period);
-  if (!recorded.empty()) return fastest;
-  for (const SpeedChange& change : model.leader.changes()) fastest = std::max(fastest, std::abs(change.value));
-  return fastest;
+/// The speeds that the leader is given, and the accelerations of a recorded drive; 0 is among both.
+struct LeaderMotion {
+  Interval speed{0.0, 0.0}, acceleration{0.0, 0.0};
+
+  explicit LeaderMotion(const PlatoonModel& model) {
+    const auto take = [](Interval& range, double value) {
+      range = {std::min(range.lower, value), std::max(range.upper, value)};
+    };
+    const std::vector<double>& recorded = model.recorded_leader;
+    const double period = model.sample_period;
+    for (std::size_t k = 1; k < recorded.size(); ++k) {
+      take(speed, (recorded[k] - recorded[k - 1]) / period);
+      if (k > 1) take(acceleration, (recorded[k] - 2.0 * recorded[k - 1] + recorded[k - 2]) / (period * period));
+    }
+    if (!recorded.empty()) return;
+    for (const SpeedChange& change : model.leader.changes()) take(speed, change.value);
+  }
+};
+
+void add_leader(const PlatoonModel& model, std::vector<std::string>& warnings) {
+  constexpr double kRounding = 1e-6;
+  const LeaderMotion leader(model);
+  const VehicleLimits& limits = vehicle(model, 0).limits;
+  const auto add_beyond = [&warnings](const char* what, const Interval& motion, const std::optional<Interval>& limit,
+                                      const char* unit) {
+    if (!limit || (motion.lower >= limit->lower - kRounding && motion.upper <= limit->upper + kRounding)) return false;
+    warnings.push_back(formatted("leader: %s from %.6g to %.6g %s: beyond the limits of the vehicle, %g to %g %s", what,
+                                 motion.lower, motion.upper, unit, limit->lower, limit->upper, unit));
+    return true;
+  };
+  const double fastest = std::max(-leader.speed.lower, leader.speed.upper);
+  if (fastest > kFastestCar)
+    warnings.push_back(
+        formatted("leader: speed of %.6g m/s (%.6g km/h): cars reach %g m/s", fastest, 3.6 * fastest, kFastestCar));
+  if (!add_beyond("speed", leader.speed, limits.speed, "m/s") && leader.speed.lower < kReversing)
+    warnings.push_back(formatted("leader: speed of %.6g m/s: the car reverses", leader.speed.lower));
+  add_beyond("acceleration", leader.acceleration, limits.input, "m/s^2");
 }
 
 /// The largest -v or |a| that a vehicle's limits leave possible; infinite without limits. A clipped signal is not
@@ -118,10 +147,7 @@ std::vector<std::string> plausibility_warnings(const Configuration& configuratio
   const PlatoonModel& model = configuration.model;
   const RunOptions& run = configuration.run;
   std::vector<std::string> warnings;
-  if (const double speed = fastest_of_leader(model); speed > kFastestCar) {
-    warnings.push_back(
-        formatted("leader: speed of %.6g m/s (%.6g km/h): cars reach %g m/s", speed, 3.6 * speed, kFastestCar));
-  }
+  add_leader(model, warnings);
   add_drive(configuration, warnings);
   add_headways(model, warnings);
   add_standstill(model, run.followers, warnings);

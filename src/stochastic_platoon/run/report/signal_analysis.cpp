@@ -39,7 +39,7 @@ std::string collision_lines(const Configuration& configuration, const SignalAnal
   std::string text = "Collisions: probability of a gap below 0 " + along(risk.probability, risk.limit_probability, "") +
                      "; new ones per step " + along(risk.rate, risk.limit_rate, "") + "\n";
   const auto worst = std::max_element(risk.bound.begin(), risk.bound.end());
-  text += formatted("Collisions in %s: at most %.6g, of follower %zu\n",
+  text += formatted("Probability of a collision in %s: at most %.6g, of follower %zu\n",
                     duration(configuration.run.steps, configuration.model).c_str(), *worst,
                     static_cast<std::size_t>(worst - risk.bound.begin()) + 1);
   text += formatted("Required standstill distance for %g per step: ", probability) +
