@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
-#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/leader_motion.hpp"
 #include "stochastic_platoon/math/links/linked_moments.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/links/string_responses.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
