@@ -99,7 +99,7 @@ void BagWriter::write(const std::string& topic, const stochastic_platoon::Positi
 }
 
 void BagWriter::write(const std::string& topic, const stochastic_platoon::ErrorStatistics& message) {
-  record(topic, std::clamp(message.header.stamp, latest_, ros::TIME_MAX), message);
+  record(topic, latest_, message);
 }
 
 void BagWriter::end_step(bool is_last) {

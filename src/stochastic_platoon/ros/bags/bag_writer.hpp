@@ -40,7 +40,8 @@ public:
 
   void write(const std::string& topic, const stochastic_platoon::Position& message);
 
-  /// The recorded time is at least that of the latest step.
+  /// The recorded time is that of the latest message, not the stamp: in mid-run the stamp is ahead of the step being
+  /// written, and the next checksum, which follows it, would lie behind messages that it does not cover.
   void write(const std::string& topic, const stochastic_platoon::ErrorStatistics& message);
 
   /// All positions of a step are written. `is_last`: it is the last step of a batch.

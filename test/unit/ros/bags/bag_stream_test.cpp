@@ -193,6 +193,36 @@ TEST_F(BagStreamTest, RejectsAFileWithoutChecksumsUnlessItMayBeUnverified) {
   EXPECT_EQ(read({{file}, Accept::whole, true}).positions.size(), 1u);
 }
 
+// As rosbag compress writes it. The monitor's statistics are stamped ahead of the steps that are written.
+TEST_F(BagStreamTest, ReadsARecordingWhoseMessagesAreSortedByTime) {
+  const std::string file = folder_ / "run.bag", sorted = folder_ / "sorted.bag";
+  BagWriter writer(file, "", "none", {kConfiguration, "{}"});
+  const auto time = [](std::int64_t step) { return ros::Time(100.0 + 0.01 * static_cast<double>(step)); };
+  for (std::int64_t step = 0; step < kSteps; ++step) {
+    ErrorStatistics statistics;
+    statistics.header.stamp = time(step + 2);
+    writer.write("/platoon/error_statistics", statistics);
+    Position message;
+    message.header.stamp = time(step);
+    message.step = step;
+    message.position.assign(4, 0.1);
+    writer.write(kPosition, message);
+    writer.end_step(step % 3 == 2);
+  }
+  writer.close();
+  {
+    const rosbag::Bag given(file);
+    rosbag::Bag written(sorted, rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& message : rosbag::View(given))
+      written.write(message.getTopic(), message.getTime(), message);
+  }
+  for (const std::string& bag : {file, sorted}) {
+    const Found found = read({{bag}});
+    EXPECT_EQ(found.positions, steps(kSteps)) << bag;
+    EXPECT_EQ(found.others, 1u + kSteps) << bag;  // the configuration and the statistics
+  }
+}
+
 TEST_F(BagStreamTest, RejectsMessagesBehindTheLastChecksum) {
   const std::string file = record("run.bag", "none");
   rosbag::Bag bag(file, rosbag::bagmode::Append);
