@@ -83,14 +83,14 @@ void require_free_recording(const platoon::RunOptions& run) {
     throw platoon::ConfigurationError(
         {std::string("record: ") + error.what() + ": must be in a folder that can be written"});
   }
-  for (const std::string& name : {run.record, stem + "_0.bag"}) {
-    try {
-      const std::string left = platoon::left_recording(name);
-      if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
-    } catch (const std::filesystem::filesystem_error& error) {
-      throw platoon::ConfigurationError(
-          {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});
-    }
+  try {
+    std::string left = platoon::left_recording(run.record);
+    if (left.empty()) left = platoon::left_recording(stem + "_0.bag");
+    if (left.empty() && run.record_split_mb > 0) left = platoon::left_part(run.record);
+    if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw platoon::ConfigurationError(
+        {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});
   }
 }
 

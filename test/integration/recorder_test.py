@@ -70,6 +70,16 @@ class Killed(BagTest):
         with open(self.bag + ".active") as file:
             self.assertEqual(file.read(), "precious")
 
+    def test_a_later_part_of_another_recording_is_not_touched(self):
+        for name in ("run_1.bag", "run_17.bag.active", "run_2.bag.active.3"):
+            self.write(name, "precious")
+            terminal = self.launch(record=self.bag, record_split_mb=1)
+            self.assertNotEqual(terminal.wait(), 0)
+            self.assertIn(name + ": exists: must be a new file", terminal.text())
+            with open(self.path(name)) as file:
+                self.assertEqual(file.read(), "precious")
+            os.remove(self.path(name))
+
 
 class FullDisk(BagTest):
     """A limit on the size of a node's files simulates a full disk, and can be lifted."""

@@ -21,6 +21,10 @@ Configuration parse_recorded(const std::string& file, const std::string& text) {
   }
 }
 
+bool is_configuration(const PlatoonTopic& topic) {
+  return topic.kind == PlatoonTopic::Kind::configuration;
+}
+
 }  // namespace
 
 Configuration configuration_to_repeat(const BagSource& source) {
@@ -30,6 +34,19 @@ Configuration configuration_to_repeat(const BagSource& source) {
   configuration.run.rate = 0.0;
   configuration.run.first_realization = 0;
   return configuration;
+}
+
+// Checks neither the version nor the model, which may be of any run.
+std::optional<std::string> launch_of(const std::string& file) try {
+  BagStream stream({{file}, Accept::damaged, true}, is_configuration);
+  const std::optional<RecordedMessage> message = stream.next();
+  if (!message) return std::nullopt;
+  const auto document = nlohmann::json::parse(std::get<std::string>(message->content));
+  return document.at(nlohmann::json::json_pointer("/run/launch_id")).get<std::string>();
+} catch (const BagError&) {
+  return std::nullopt;
+} catch (const nlohmann::json::exception&) {
+  return std::nullopt;
 }
 
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps) {
@@ -65,7 +82,7 @@ Configuration repeated(const BagSource& source, const std::map<std::string, std:
 
 RecordedPlatoon recorded_platoon(const BagSource& source) {
   const std::string& file = source.files.front();
-  BagStream stream(source, [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::configuration; });
+  BagStream stream(source, is_configuration);
   const std::optional<RecordedMessage> message = stream.next();
   if (!message) throw BagError(file + ": holds no topic \"configuration\": it is no recording of a platoon");
   const auto& text = std::get<std::string>(message->content);

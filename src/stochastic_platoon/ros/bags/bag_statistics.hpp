@@ -27,6 +27,9 @@ RecordedPlatoon recorded_platoon(const BagSource& source);
 /// BagError as recorded_platoon() does.
 Configuration configuration_to_repeat(const BagSource& source);
 
+/// The launch_id in a file's first configuration; none if the file is no recording of a platoon.
+std::optional<std::string> launch_of(const std::string& file);
+
 /// y_0(-1) .. y_0(steps - 1) [m] as recorded: the leader's positions in the first batch of the bags. Throws BagError if
 /// there are fewer.
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps);

@@ -177,4 +177,21 @@ std::string left_recording(const std::string& name) {
   return "";
 }
 
+std::string left_part(const std::string& name) {
+  const std::filesystem::path path(name);
+  const std::string begin = path.stem().string() + "_";
+  const auto is_part = [&begin](const std::string& file) {
+    if (file.compare(0, begin.size(), begin) != 0) return false;
+    const std::size_t end = std::min(file.find_first_not_of("0123456789", begin.size()), file.size());
+    const std::string extension = file.substr(end), active = std::string(".bag") + kActiveSuffix;
+    return end > begin.size() && (extension == ".bag" || extension.compare(0, active.size(), active) == 0);
+  };
+  std::string first;
+  for (const auto& entry : std::filesystem::directory_iterator(path.parent_path())) {
+    const std::string file = entry.path().filename().string();
+    if (is_part(file) && (first.empty() || file < first)) first = file;
+  }
+  return first.empty() ? "" : (path.parent_path() / first).string();
+}
+
 }  // namespace platoon

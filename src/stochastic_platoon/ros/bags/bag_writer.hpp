@@ -89,4 +89,8 @@ std::string name_put_aside(const std::string& name, std::size_t count);
 /// The first existing file of a recording named `name`, finished or not; empty if there is none.
 std::string left_recording(const std::string& name);
 
+/// The same of a recording in parts: the first file STEM_<number>.bag, finished or not, beside `name` = STEM.bag.
+/// Throws std::filesystem::filesystem_error if the folder cannot be read.
+std::string left_part(const std::string& name);
+
 }  // namespace platoon

@@ -5,6 +5,7 @@
 
 #include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/ros/bags/bag_records.hpp"
+#include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 
@@ -24,6 +25,10 @@ bool any_topic(const PlatoonTopic&) {
 // All realizations before the returned one are recorded if `id` is the latest message of a stream.
 std::uint64_t whole_before(const BatchSchedule& schedule, const MessageId& id) {
   return schedule.is_last_step(id.step) ? schedule.next(id.first_realization) : id.first_realization;
+}
+
+ConfigurationError of_another_run(const std::string& file) {
+  return ConfigurationError({"record: " + file + ": is of another run: must be another name, or that file moved away"});
 }
 
 }  // namespace
@@ -130,6 +135,7 @@ void RunRecording::batch_complete() {
   const auto split_bytes = static_cast<std::uint64_t>(configuration_.run.record_split_mb) << 20;
   if (!recording_ || split_bytes == 0 || recording_->bytes() < split_bytes || !complete_file()) return;
   ++part_;
+  if (const std::string left = left_recording(name_of_part(part_)); !left.empty()) throw of_another_run(left);
   part_begin_ = arrivals_.committed();
   recording_ = record_to(kActiveSuffix);
 }
@@ -151,6 +157,7 @@ bool RunRecording::complete_file() {
   const std::uint64_t committed = arrivals_.committed();
   if (needs_rewriting()) rewrite();
   if (arrivals_.committed() < committed) return false;
+  if (std::filesystem::exists(name_of_part(part_))) throw of_another_run(name_of_part(part_));
   recording_->complete();
   completed_bytes_ += recording_->bytes();
   return true;
@@ -171,6 +178,7 @@ void RunRecording::stop() {
 // Takes over the files of a killed recorder of the same launch.
 void RunRecording::recover() {
   while (std::filesystem::exists(name_of_part(part_))) {
+    if (launch_of(name_of_part(part_)) != configuration_.run.launch_id) throw of_another_run(name_of_part(part_));
     if (configuration_.run.record_split_mb == 0) {
       arrivals_.resume_at(configuration_.run.realizations);
       finished_ = true;
@@ -197,10 +205,7 @@ void RunRecording::recover() {
 
 // Throws ConfigurationError unless the configuration in an unfinished file is of this launch.
 void RunRecording::require_same_launch(const std::string& file, const std::string& configuration) const {
-  if (parse_configuration(configuration).run.launch_id == configuration_.run.launch_id) return;
-  throw ConfigurationError(
-      {"record: " + file +
-       ": is the unfinished recording of another run: must be another name, or that file moved away"});
+  if (parse_configuration(configuration).run.launch_id != configuration_.run.launch_id) throw of_another_run(file);
 }
 
 // Finds the last whole batch of a file from the latest message of each stream: steps are written in their order, and

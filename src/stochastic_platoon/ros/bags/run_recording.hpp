@@ -32,7 +32,8 @@ bool is_final(const stochastic_platoon::ErrorStatistics& message, const RunOptio
 class RunRecording {
 public:
   /// `name_space` is the platoon's, "/platoon". Continues after the whole batches of an unfinished file of the same
-  /// launch. Throws ConfigurationError if the unfinished file is of another launch, and leaves that file unchanged.
+  /// launch. Throws ConfigurationError, as receive() and finish() do, if a file of another launch has a name that this
+  /// recording needs, and leaves that file unchanged.
   RunRecording(const Configuration& configuration, const std::string& name_space);
 
   DropReason receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <filesystem>
 #include <stdexcept>
 
 #include "stochastic_platoon/run/io/atomic_file.hpp"
@@ -82,6 +83,46 @@ TEST_F(RunRecordingTest, RejectsTheUnfinishedFileOfAnotherLaunch) {
   configuration_.run.launch_id = "another launch";
   EXPECT_THROW(recording(), ConfigurationError);
   EXPECT_EQ(folder_.entries(), Names{"run.bag.active"});
+}
+
+TEST_F(RunRecordingTest, LeavesAFileUnchangedThatHasTheNameOfALaterPart) {
+  constexpr std::uint64_t kMany = 10000;  // 1.6 MB a batch
+  set_batches(3, kMany);
+  configuration_.run.record_split_mb = 1;
+  for (const char* suffix : {"", ".active"}) {
+    const std::string other = folder_.file(std::string("run_1.bag") + suffix, "precious");
+    RunRecording recorder = recording();
+    EXPECT_THROW(send(recorder, 1, 0), ConfigurationError);
+    EXPECT_EQ(content_of(other), "precious");
+    EXPECT_EQ(places_in(folder_ / "run_0.bag"), whole({{1, 0}}));
+    std::filesystem::remove(folder_ / "run_0.bag");
+    std::filesystem::remove(other);
+  }
+}
+
+TEST_F(RunRecordingTest, LeavesAFileUnchangedThatGetsItsNameMeanwhile) {
+  set_batches(2, 1);
+  {
+    RunRecording recorder = recording();
+    send(recorder, 1, 0);
+    send(recorder, 1, 1);
+    folder_.file("run.bag", "precious");
+    EXPECT_THROW(finish(recorder), ConfigurationError);
+  }
+  EXPECT_THROW(recording(), ConfigurationError);
+  EXPECT_EQ(content_of(bag_), "precious");
+  EXPECT_EQ(folder_.entries(), (Names{"run.bag", "run.bag.active"}));
+}
+
+TEST_F(RunRecordingTest, FindsThePartsOfAnEarlierRecording) {
+  for (const char* other : {"run_.bag", "run_1.bagged", "run_1a.bag", "other_1.bag", "run_1.csv", "run.bag"}) {
+    folder_.file(other, "");
+    EXPECT_EQ(left_part(bag_), "") << other;
+  }
+  for (const char* part : {"run_12.bag.active.3", "run_12.bag.active", "run_12.bag", "run_1.bag"}) {
+    folder_.file(part, "");
+    EXPECT_EQ(left_part(bag_), folder_ / part);
+  }
 }
 
 TEST_F(RunRecordingTest, BeginsOnAFullDiskWithAnErrorAndLaterWithout) {
