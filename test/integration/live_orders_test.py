@@ -9,6 +9,7 @@ import signal
 import subprocess
 import unittest
 
+import rosbag
 import rospy
 import rosservice
 import stochastic_platoon as sp
@@ -190,7 +191,10 @@ class Changes(Orders):
             with open(os.path.join(folder, "statistics.csv")) as file:
                 self.assertEqual(len(list(csv.DictReader(file))), FOLLOWERS)
         # Each run has its own bag, recorded up to the end of the run.
-        for suffix, headway in (("", 3.2), ("-run2", 2.4)):
+        for suffix, headway, latest in (("", 3.2, stable), ("-run2", 2.4, unstable)):
+            with rosbag.Bag(bag + suffix + ".bag.active") as recorded:
+                first = next(recorded.read_messages("/platoon/error_statistics")).message
+            self.assertEqual(first.theoretical_variance, latest.theoretical_variance, "statistics of another run")
             read = self.path(hosting + suffix + "-read")
             self.assertEqual(live_platoon.tool("bag_statistics", bag + suffix + ".bag.active", output=read).returncode, 0)
             summary = live_platoon.summary_of(read)

@@ -142,6 +142,7 @@ void RunRecording::batch_complete() {
 
 void RunRecording::receive(const ErrorStatistics& message) {
   if (finished_ || message.header.stamp.isZero()) return;
+  if (arrivals_.attempt() == 0 && !is_final(message, configuration_.run)) return;
   if (recording_) recording_->write(name_space_ + "/" + kErrorStatisticsTopic, message);
   if (is_final(message, configuration_.run)) final_statistics_ = true;
 }

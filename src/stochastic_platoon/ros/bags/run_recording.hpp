@@ -37,6 +37,9 @@ public:
   RunRecording(const Configuration& configuration, const std::string& name_space);
 
   DropReason receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
+
+  /// Ignores statistics before the first position, unless they are final: the topic is latched, so that they are those
+  /// of the run before, which change_run has ended.
   void receive(const stochastic_platoon::ErrorStatistics& message);
 
   /// Everything has arrived, the final statistics included.

@@ -36,6 +36,29 @@ TEST_F(RunRecordingTest, RenamesTheFileOnceEverythingHasArrived) {
   EXPECT_EQ(places_in(bag_), whole({{1, 0}, {1, 1}}));
 }
 
+// The topic is latched: after change_run a recorder receives those of the run before.
+TEST_F(RunRecordingTest, IgnoresStatisticsBeforeTheFirstPosition) {
+  set_batches(2, 1);
+  RunRecording recorder = recording();
+  const auto receive = [&recorder](std::int64_t step) {
+    stochastic_platoon::ErrorStatistics message;
+    message.header.stamp = ros::Time(1000.0);
+    message.step = step;
+    recorder.receive(message);
+  };
+  receive(77);
+  send(recorder, 1, 0);
+  receive(1);
+  send(recorder, 1, 1);
+  finish(recorder);
+  std::vector<std::int64_t> found;
+  BagStream stream({{bag_}},
+                   [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::error_statistics; });
+  while (const std::optional<RecordedMessage> recorded = stream.next())
+    found.push_back(std::get<stochastic_platoon::ErrorStatistics::Ptr>(recorded->content)->step);
+  EXPECT_EQ(found, (std::vector<std::int64_t>{1, configuration_.run.steps - 1}));
+}
+
 TEST_F(RunRecordingTest, IsFinishedIfItsFileIsComplete) {
   set_batches(2, 1);
   {
