@@ -5,6 +5,7 @@ import csv
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import unittest
@@ -13,6 +14,7 @@ import rosbag
 import rospy
 import rosservice
 import stochastic_platoon as sp
+from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from stochastic_platoon.msg import ErrorStatistics, Position, Progress, Snapshot
@@ -114,6 +116,20 @@ class Manoeuvres(Orders):
                 reporter.publish(Progress(receiver="monitor", run=now.run, attempt=now.attempt, first_realization=300, step=-2, finished=True))
         self.completed(terminal)
         self.assert_bits(**settings)
+
+    def test_a_notice_of_the_channel_counts_where_vehicle_1_does_not_hear_its_predecessor(self):
+        with open(live_platoon.shared("config", "two_ahead.yaml")) as file:
+            model = re.sub("  - {signal: position, from: predecessor.*\n  - .*weight: 0.4, noise_variance: 0.05}",
+                           "  - {signal: position, from: 2, weight: 1.0, noise_variance: 0.05, "
+                           "channel: {loss: {probability: 0.1, on_loss: hold}}}", file.read())
+        self.assertIn("weight: 1.0", model)
+        reports, said = self.listen("progress", Progress), self.listen("/rosout", Log)
+        # Paced, so that the leader still sends when the channel is back; the timeout would come later.
+        self.endless("processes", model=self.write("behind.yaml", model), followers=3, rate=5, window=200, stall_timeout=60)
+        reports.newest(lambda message: message.receiver == "monitor" and message.step >= 3, "the first steps")
+        live_platoon.kill("/platoon/channel")
+        live_platoon.wait_for(lambda: any(re.search(r"channel has missed messages of attempt \d+: attempt \d+ begins", message.msg)
+                                          for message in list(said.messages)), "a new attempt", 30)
 
     def test_a_run_over_realizations_rejects_orders_with_an_explanation_and_keeps_its_bits(self):
         settings = dict(followers=3, steps=20, realizations=500, headway=3.2, seed=4)

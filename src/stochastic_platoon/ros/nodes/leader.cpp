@@ -40,7 +40,7 @@ Leader::Leader(ros::NodeHandle platoon, const Configuration& configuration, RunM
       paced_(run_.rate > 0.0),
       superseded_(std::move(superseded)),
       membership_(platoon, "vehicle_0", 0, [this](const Configuration& joined) { return begin(joined); }),
-      notice_senders_(platoon),
+      notice_senders_(platoon, configuration.model),
       published_(platoon.resolveName(position_topic(0))),
       position_(platoon.advertise<Position>(position_topic(0), kUnboundedQueue)),
       orders_(platoon, [this]() -> Manoeuvre& { return manoeuvre(); }) {

@@ -12,7 +12,8 @@
 
 namespace platoon {
 
-NoticeSenders::NoticeSenders(const ros::NodeHandle& platoon) : name_space_(platoon.resolveName(kProgressTopic)) {
+NoticeSenders::NoticeSenders(const ros::NodeHandle& platoon, const PlatoonModel& model)
+    : name_space_(platoon.resolveName(kProgressTopic)), channel_topic_(received_topic(vehicle(model, 1), 1, 0)) {
   name_space_.resize(name_space_.rfind('/') + 1);
 }
 
@@ -21,8 +22,7 @@ bool NoticeSenders::admits(const ros::MessageEvent<const stochastic_platoon::Pro
   const std::string& node = event.getPublisherName();
   if (node == rejected_ && now() < until_) return false;
   // Not resolveName(): the text is another node's and may be no name.
-  const std::string topic =
-      name_space_ + (component == "channel" ? predecessor_position_topic(1) : component + "/position");
+  const std::string topic = name_space_ + (component == "channel" ? channel_topic_ : component + "/position");
   const std::vector<std::string> publishers = registered_publishers(topic);
   const bool publishes = std::find(publishers.begin(), publishers.end(), node) != publishers.end();
   if (publishes && (publishers.size() == 1 || node.compare(0, name_space_.size(), name_space_) == 0)) return true;
