@@ -8,7 +8,7 @@ namespace platoon {
 
 namespace {
 constexpr double kGrowth = 1.5;
-constexpr double kLongestStart = 3.0;  // [s] limit of the growing first-step timeout, without a stall_timeout
+constexpr double kLongestStart = 3.0;  // [s] limit of the growing first-step timeout, or 1.5 stall_timeout if longer
 constexpr double kNoticePause = 0.1;   // [s] between repetitions by notices, at least
 constexpr double kQuietPauses = 10.0;  // without a notice until the pause is the shortest again
 
@@ -135,7 +135,7 @@ bool Credit::retry_if_stalled(double now) {
   if (now - last_activity_ < patience) return false;
   patience *= kGrowth;
   // Limit the wait for nodes that are still starting.
-  const double longest = limits_.stall_timeout > 0.0 ? kGrowth * limits_.stall_timeout : kLongestStart;
+  const double longest = std::max(kGrowth * limits_.stall_timeout, kLongestStart);
   if (unanswered) patience = std::min(patience, std::max(limits_.first_step_timeout, longest));
   begin_attempt(now);
   return true;

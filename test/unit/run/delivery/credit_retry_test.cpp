@@ -123,6 +123,22 @@ TEST(CreditRetry, HasASeparateTimeoutForTheFirstStepOfAnAttempt) {
   expect_retry_at(credit, now + 2.5, {13, 0, -1});
 }
 
+// A first step takes 1 s, a hundred times as long as both timeouts.
+TEST(CreditRetry, WaitsLongEnoughForASlowFirstStepEvenWithAShortStallTimeout) {
+  Credit credit = with_monitor(kSchedule, {5, 0.01, 0.01});
+  published(credit);
+  double began = 0.0, now = 0.0;
+  for (; now - began < 1.0 && now < 100.0; now += 0.005) {
+    if (!credit.retry_if_stalled(now)) continue;
+    published(credit, now);
+    began = now;
+  }
+  EXPECT_LT(now, 10.0);
+  EXPECT_GT(credit.attempt(), 10u);
+  credit.acknowledge(kMonitor, {credit.attempt(), 0, -1}, now);
+  EXPECT_EQ(published(credit, now).size(), 5u);
+}
+
 TEST(CreditRetry, StartsANewAttemptAtOnceIfAReceiverRestarts) {
   Credit credit = under_way();
   published(credit);
