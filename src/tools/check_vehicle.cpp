@@ -3,8 +3,10 @@
 
 #include <ros/init.h>
 #include <ros/master.h>
+#include <unistd.h>
 
 #include <cstdio>
+#include <ctime>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -41,6 +43,11 @@ Arguments parsed(int argc, char** argv) {
     throw platoon::ConfigurationError({"check_vehicle I: must be given the number of one vehicle"});
   return {platoon::integer_of("vehicle", given.words.front(), 1, 1000000), seconds("patience", 2.0),
           seconds("wait", 30.0), given.settings};
+}
+
+// A name that no check has had, as a vehicle remembers the attempts of its latest run, also of an interrupted check.
+std::string launch_of_check() {
+  return "check_vehicle " + std::to_string(std::time(nullptr)) + "-" + std::to_string(::getpid());
 }
 
 // Two batches, of 1000 and of 1 realizations, from the nominal initial positions.
@@ -95,13 +102,15 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
   require_no_run(platoon);
   const KeptConfiguration kept(platoon);
   const auto vehicle = static_cast<std::size_t>(arguments.vehicle);
-  platoon::VehicleCheck check(platoon, run_of(arguments, "check_vehicle"),
-                              run_of(arguments, "check_vehicle, another run"), vehicle, arguments.patience);
+  const std::string launch = launch_of_check();
+  platoon::VehicleCheck check(platoon, run_of(arguments, launch), run_of(arguments, launch + ", another run"), vehicle,
+                              arguments.patience);
   const std::string name = platoon::vehicle_name(vehicle);
   if (!check.wait_for_vehicle(0.5)) {
     std::printf("waiting for external %s: start its node\n", name.c_str());
     std::fflush(stdout);
     if (!check.wait_for_vehicle(arguments.wait)) {
+      if (!ros::ok()) throw std::runtime_error("interrupted: no verdict");
       throw std::runtime_error(name + " is not running: it must publish " +
                                platoon.resolveName(platoon::position_topic(vehicle)) + " and subscribe to " +
                                platoon.resolveName(platoon::predecessor_position_topic(vehicle)));

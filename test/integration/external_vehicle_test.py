@@ -126,17 +126,28 @@ class Contract(ExternalTest):
         self.assertRegex(self.assert_broken("one_publisher", len(faults)), r"/broken_followers_\d+_\d+ and /vehicle_{0} publish /platoon/vehicle_{0}/position".format(len(faults)))
         second.terminate()
 
-    def test_an_interrupted_check_gives_no_verdict(self):
-        self.start_example(3)
-        check = subprocess.Popen([live_platoon.executable("check_vehicle"), "3"], env=self.environment, stdout=subprocess.PIPE,
+    def assert_interrupted(self, index, words):
+        """Interrupts a check when it prints a line with these words."""
+        check = subprocess.Popen([live_platoon.executable("check_vehicle"), str(index)], env=self.environment, stdout=subprocess.PIPE,
                                  stderr=subprocess.STDOUT, universal_newlines=True)
         self.addCleanup(check.stdout.close)
-        self.assertIn("holds", next(line for line in check.stdout if "holds" in line))
+        self.assertIn(words, next(line for line in check.stdout if words in line))
         check.send_signal(signal.SIGINT)
         said = check.stdout.read()
         self.assertEqual(check.wait(), 1)
         self.assertIn("interrupted: no verdict", said)
         self.assertNotIn("BROKEN", said)
+        self.assertNotIn("is not running", said)
+
+    def test_an_interrupted_check_gives_no_verdict(self):
+        self.start_example(3)
+        self.assert_interrupted(3, "holds")
+        self.assert_interrupted(4, "waiting for external vehicle_4: start its node")
+
+    def test_a_vehicle_passes_the_check_after_an_interrupted_one(self):
+        self.start_example(3)
+        self.assert_interrupted(3, "{} holds".format(CLAUSES.index("attempt") + 1))  # the vehicle knows attempts 1 to 7 by then
+        self.assert_keeps_the_contract(3)
 
     def test_a_vehicle_that_is_not_there_or_no_number_is_named(self):
         self.assertIn("vehicle_4 is not running: it must publish /platoon/vehicle_4/position and subscribe to "
