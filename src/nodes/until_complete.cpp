@@ -4,13 +4,16 @@
 #include <stochastic_platoon/Progress.h>
 
 #include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -18,6 +21,8 @@
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/transport/run_membership.hpp"
 #include "stochastic_platoon/ros/transport/sole_publisher.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 
 namespace {
@@ -60,11 +65,10 @@ private:
   bool stays_, ended_ = false;
 };
 
-// Starts `check`, which outlives roslaunch and prints the result when roslaunch has ended: as the last line on the
-// screen.
-void print_result_after(long roslaunch, const std::string& output) {
+// Starts `check` with these arguments. Returns its process, 0 if there is none.
+pid_t start_check(std::vector<std::string> words) {
   const std::string check = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "check";
-  std::vector<std::string> words{check, output, "--after", std::to_string(roslaunch)};
+  words.insert(words.begin(), check);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -72,8 +76,32 @@ void print_result_after(long roslaunch, const std::string& output) {
   ::posix_spawnattr_init(&own_group);
   ::posix_spawnattr_setflags(&own_group, POSIX_SPAWN_SETPGROUP);
   pid_t process = 0;
-  ::posix_spawn(&process, check.c_str(), nullptr, &own_group, arguments.data(), environ);
+  if (::posix_spawn(&process, check.c_str(), nullptr, &own_group, arguments.data(), environ) != 0) process = 0;
   ::posix_spawnattr_destroy(&own_group);
+  return process;
+}
+
+// Waits until the monitor has written its results and ended, for less than the 15 s that roslaunch leaves this node.
+void wait_for_monitor(const platoon::RunOptions& run) {
+  for (int i = 0; i < 100; ++i) {
+    try {
+      platoon::lock_output(run);
+      return;
+    } catch (const platoon::ConfigurationError&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+}
+
+// Prints the result when roslaunch has ended: as the last line on the screen. Process 1, as of a container, takes all
+// others with it: the result is then printed before it ends.
+void print_result_after(long roslaunch, const platoon::RunOptions& run) {
+  if (roslaunch != 1) {
+    start_check({run.output, "--after", std::to_string(roslaunch)});
+    return;
+  }
+  wait_for_monitor(run);
+  if (const pid_t check = start_check({run.output}); check > 0) ::waitpid(check, nullptr, 0);
 }
 
 void run_until_complete(ros::NodeHandle platoon, const platoon::Configuration& configuration,
@@ -82,7 +110,7 @@ void run_until_complete(ros::NodeHandle platoon, const platoon::Configuration& c
   const ros::Subscriber progress = platoon.subscribe(platoon::kProgressTopic, 100, &Finished::receive, &finished);
   superseded.spin();
   if (const long roslaunch = platoon::roslaunch_process(); !ros::ok() && roslaunch > 0)
-    print_result_after(roslaunch, configuration.run.output);
+    print_result_after(roslaunch, configuration.run);
 }
 
 }  // namespace

@@ -139,6 +139,7 @@ class Process(LaunchTest):
         terminal = self.launch(own_master=True, inside=inside, followers=2, steps=5, realizations=10)
         terminal.wait()
         self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
+        self.assertRegex(terminal.text(), "(?m)^{}: .*complete, undamaged".format(self.output))
 
 
 class Live(LaunchTest):
