@@ -131,12 +131,31 @@ class Arguments(LaunchTest):
 
 
 class Process(LaunchTest):
+    """Process 1 of a container."""
+
+    INSIDE = ("unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc", "--kill-child")
+
+    def setUp(self):
+        super().setUp()
+        if subprocess.run(self.INSIDE + ("true",), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
+            self.skipTest("namespaces are not allowed here")
+
+    def test_a_program_that_launches_by_the_api_runs_to_its_end(self):
+        program = self.write("program.py", "from roslaunch.parent import ROSLaunchParent\n"
+                             "import sys\n"
+                             "launch = ROSLaunchParent('of_a_test', [(sys.argv[2], sys.argv[3:])], port=int(sys.argv[1]))\n"
+                             "launch.start()\n"
+                             "launch.spin()\n")
+        port = live_platoon.free_port()
+        ended = subprocess.run(self.INSIDE + ("/usr/bin/python3", program, str(port), live_platoon.shared("launch", "platoon.launch"), "followers:=2", "steps:=5",
+                                              "realizations:=10", "output:=" + self.output),
+                               env=live_platoon.ros_environment("http://localhost:{}".format(port), ROS_HOME=self.folder),
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=live_platoon.DEADLINE)
+        self.assertTrue(live_platoon.completed_summary(self.output), ended.stdout)
+
     def test_a_launch_that_is_process_1_runs_to_its_end(self):
         """As in a container whose entry point is roslaunch."""
-        inside = ("unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc", "--kill-child")
-        if subprocess.run(inside + ("true",), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode != 0:
-            self.skipTest("namespaces are not allowed here")
-        terminal = self.launch(own_master=True, inside=inside, followers=2, steps=5, realizations=10)
+        terminal = self.launch(own_master=True, inside=self.INSIDE, followers=2, steps=5, realizations=10)
         terminal.wait()
         self.assertTrue(live_platoon.completed_summary(self.output), terminal.text())
         self.assertRegex(terminal.text(), "(?m)^{}: .*complete, undamaged".format(self.output))

@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <thread>
@@ -31,14 +32,23 @@ namespace platoon {
 
 namespace {
 
+// Whether process 1 launches nodes, as in a container: roslaunch, rostest, or a program of one's own with roslaunch's
+// API, all in Python. Otherwise it is an init, which adopts the nodes of a launcher that has ended.
+bool is_process_1_a_launcher() {
+  std::ifstream stream("/proc/1/cmdline", std::ios::binary);
+  std::string program;
+  std::getline(stream, program, '\0');
+  return std::filesystem::path(program).filename().string().rfind("python", 0) == 0;
+}
+
 // Ends the node when its parent ends. A killed roslaunch does not stop its nodes: they would keep running and collide
 // with the next launch on the same master. The launch files set this variable; a node started by hand may outlive its
 // shell.
 void end_with_launch() {
   if (std::getenv(kEndsWithLaunch) == nullptr) return;
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  // It has ended already, unless roslaunch is process 1, as in a container.
-  if (::getppid() == 1 && roslaunch_process() == 0) ::raise(SIGTERM);
+  // It has ended already, unless it is process 1.
+  if (::getppid() == 1 && !is_process_1_a_launcher()) ::raise(SIGTERM);
 }
 
 // Executes the program again if the node got the address of its killed predecessor, which happens about once in ten
