@@ -70,6 +70,17 @@ std::string absolute(const std::string& path) {
   return std::filesystem::absolute(path).lexically_normal().string();
 }
 
+// The names of recordings for a node, whose working folder is another, as a text for bag_files().
+std::string absolute_names(const std::string& bags) {
+  std::string names;
+  for (const std::string& file : platoon::bag_files(bags))
+    names += (names.empty() ? "" : " ") + std::filesystem::absolute(file).string();
+  if (platoon::bag_files(names).size() != platoon::bag_files(bags).size())
+    throw platoon::ConfigurationError(
+        {"bag: " + names + ": must be one file, or files in folders whose names have no spaces"});
+  return names;
+}
+
 // Throws ConfigurationError unless the bag can be written without overwriting another.
 void require_free_recording(const platoon::RunOptions& run) {
   if (run.record.empty()) return;
@@ -210,6 +221,7 @@ int configure_main(int argc, char** argv) {
        "Example: configure --model acc.yaml --followers 5",
        all_settings,
        {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
+        {"bag_names", "prints the absolute names of these recordings, separated by spaces, and nothing else"},
         {"ns", "namespace of the platoon, which must be free"},
         {"drive",
          "of a replay, which needs --bag: what the recording drives, leader or a vehicle as vehicle_3; empty: the monitor"},
@@ -223,6 +235,10 @@ int configure_main(int argc, char** argv) {
     if (line["quote_in_path"] == "true") {
       throw platoon::ConfigurationError(
           {"model, output, record, bag: a path with a quote ('): must be without, as a launch file cannot pass it on (a symbolic link can give it another name)"});
+    }
+    if (line.has("bag_names")) {
+      std::cout << absolute_names(line["bag_names"]);
+      return 0;
     }
     const std::vector<std::string> undeclared =
         platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");

@@ -60,6 +60,14 @@ class Replay(Orders):
         with open(os.path.join(DATA, "small_statistics.csv"), "rb") as file:
             self.assertEqual(live_platoon.statistics(self.output), file.read())
 
+    def test_of_a_recording_named_from_the_working_folder_finds_it(self):
+        for drive, arguments in (("", {}), ("vehicle_2", dict(output=""))):
+            terminal = self.launch("replay.launch", inside=("env", "-C", DATA), bag="small.bag", drive=drive, **arguments)
+            terminal.wait()
+            self.assertNotIn("has died", terminal.text())
+        self.assertIn("vehicle_2: 12 messages equal the recorded ones to the bit", terminal.text())
+        self.assertTrue(live_platoon.completed_summary(self.output))
+
     def test_the_first_seconds_of_platoon_time_pass_as_fast_as_possible(self):
         terminal, topics = self.paused(rate=0.02, start=0.95)  # the last of the 1.1 s are due after 7.5 s, without `start` after 55 s
         began = time.monotonic()
