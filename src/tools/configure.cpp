@@ -66,8 +66,10 @@ void require_log_folder() {
   }
 }
 
+// Without a slash at the end: the names of further runs are formed by appending to it.
 std::string absolute(const std::string& path) {
-  return std::filesystem::absolute(path).lexically_normal().string();
+  const std::filesystem::path normal = std::filesystem::absolute(path).lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).string();
 }
 
 // The names of recordings for a node, whose working folder is another, as a text for bag_files().

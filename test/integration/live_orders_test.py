@@ -157,7 +157,7 @@ class Changes(Orders):
     def check_change(self, hosting):
         snapshots, statistics = self.listen("snapshot", Snapshot), self.listen("error_statistics", ErrorStatistics)
         bag = self.path(hosting)
-        terminal = self.endless(hosting, rate=0, burn_in="", seed=3, record=bag + ".bag")
+        terminal = self.endless(hosting, rate=0, burn_in="", seed=3, record=bag + ".bag", output=self.output + "/")
         enough = 4000 if live_platoon.SANITIZED else 8000
 
         def averaged(headway_is, run):
