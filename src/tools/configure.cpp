@@ -126,6 +126,19 @@ void require_range(const platoon::CommandLine& line, std::int64_t most, bool kep
   if (!problems.empty()) throw platoon::ConfigurationError(problems);
 }
 
+// The external vehicles of followers.launch, which may be of any platoon. Throws ConfigurationError.
+std::vector<std::size_t> external_vehicles(const platoon::CommandLine& line) {
+  const auto given = line.settings.find("external");
+  if (given == line.settings.end()) return {};
+  YAML::Node document;
+  document["external"] = given->second;
+  std::vector<std::string> problems;
+  platoon::Section section(document, "", problems);
+  std::vector<std::size_t> external = platoon::read_external(section, platoon::kMaxFollowers);
+  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+  return external;
+}
+
 // Throws ConfigurationError if a part of the string is to run in one process.
 void require_all_in_one_process(const platoon::CommandLine& line, const platoon::RunOptions& run) {
   const bool all = !line.has("first") || (line["first"] == "1" && line["last"] == std::to_string(run.followers));
@@ -229,7 +242,7 @@ int configure_main(int argc, char** argv) {
          "of a replay, which needs --bag: what the recording drives, leader or a vehicle as vehicle_3; empty: the monitor"},
         {"first", "first vehicle that the launch starts"},
         {"last", "last vehicle that the launch starts"},
-        {"kept", "true: check `first` and `last` of followers.launch, and nothing else"},
+        {"kept", "true: check `first`, `last` and `external` of followers.launch, and nothing else"},
         {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
         {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
         {"unverified", "true: with --bag, also of recordings without checksums"}}});
@@ -247,6 +260,7 @@ int configure_main(int argc, char** argv) {
     if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     if (line["kept"] == "true") {
       require_range(line, platoon::kMaxFollowers, true);
+      external_vehicles(line);
       return 0;
     }
     require_log_folder();

@@ -42,6 +42,9 @@ class BadInput(LaunchTest):
                              output=None, first="abc", last="0x10")
         self.assertEqual(text.count("abc: must be"), 1)
         self.assertNotIn("invalid literal", text)
+        for external in ("2, 3", "2;3", "02"):
+            self.rejected("external: {}: must be numbers of followers from 1 to 1000000, each once, separated by commas".format(external),
+                          file="followers.launch", output=None, first=1, last=3, external=external)
         self.rejected("last: 3: must be a whole number from 4 to 1000000", file="followers.launch", output=None, first=4, last=3)
         self.rejected("first: 0: must be a whole number from 1 to 1000000", file="followers.launch", output=None, first=0, last=3)
         self.rejected("first: abc: must be a whole number from 1 to 21", "last: 30: must be a whole number from 0 to 20", first="abc", last=30)

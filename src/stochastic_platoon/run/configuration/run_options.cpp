@@ -38,8 +38,20 @@ double read_zero_or_more(Section& section, const std::string& key, double least)
   return value;
 }
 
-// Each number must have one spelling, because the launch files compare the entries of the list as text. "none" leaves
-// out the external vehicles of a recording that is repeated.
+std::vector<std::string> read_signals(Section& section) {
+  const std::string text = section.text("signals");
+  try {
+    return signal_names(text);
+  } catch (const std::invalid_argument&) {
+    section.reject("signals", printable(shortened(text)),
+                   "some of " + all_signal_names() + ", each once, separated by commas");
+    return {};
+  }
+}
+
+}  // namespace
+
+// Each number must have one spelling, because the launch files compare the entries of the list as text.
 std::vector<std::size_t> read_external(Section& section, std::size_t followers) {
   const std::string text = section.text("external");
   std::set<std::size_t> external;
@@ -58,19 +70,6 @@ std::vector<std::size_t> read_external(Section& section, std::size_t followers) 
   }
   return {external.begin(), external.end()};
 }
-
-std::vector<std::string> read_signals(Section& section) {
-  const std::string text = section.text("signals");
-  try {
-    return signal_names(text);
-  } catch (const std::invalid_argument&) {
-    section.reject("signals", printable(shortened(text)),
-                   "some of " + all_signal_names() + ", each once, separated by commas");
-    return {};
-  }
-}
-
-}  // namespace
 
 const char* to_string(Hosting hosting) {
   static constexpr const char* kNames[] = {"processes", "one_process", "monte_carlo", "bag"};

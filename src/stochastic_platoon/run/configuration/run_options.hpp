@@ -71,6 +71,10 @@ struct RunOptions {
 /// Reads the options of a section and adds all problems to those of the section. batch, window: 0 selects the default.
 RunOptions read_run_options(Section section);
 
+/// The list `external` of a section: followers from 1 to `followers`, sorted. "none", which leaves out the external
+/// vehicles of a recording that is repeated, gives an empty list.
+std::vector<std::size_t> read_external(Section& section, std::size_t followers);
+
 /// JSON for read_run_options().
 nlohmann::json to_json(const RunOptions& options);
 
