@@ -134,6 +134,12 @@ class Analysis(Mapping[str, Any]):
         return "Analysis({!r}: {})".format(self.path, self.reason or "no theory")
 
 
+def key_of(path: str) -> str:
+    """The key that computes a figure: peak_gain, norms of norms/mean_l2, linear/norms of linear/norms/mean_l2."""
+    parts = path.replace(".", "/").split("/")
+    return "/".join(parts[:2] if parts[0] == "linear" else parts[:1])
+
+
 def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, signals: Iterable[str] = (),
             collision_probability: Optional[float] = None, burn_in: Optional[int] = None, keys: Iterable[str] = ()) -> Analysis:
     """The theory of a platoon of `followers` over `steps` (10 s of driving by default).

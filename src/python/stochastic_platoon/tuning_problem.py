@@ -12,6 +12,7 @@ import numpy as np
 
 from . import _platoon
 from .model import SIGNALS, Model, handle_of
+from .theory import key_of
 
 if TYPE_CHECKING:  # numpy.typing is younger than the NumPy of Debian 11
     from numpy.typing import NDArray
@@ -101,8 +102,7 @@ class Constraint:
         except (TypeError, ValueError):
             low, high = math.nan, math.nan
         if not low <= high:
-            raise ValueError("subject_to: {}: {!r}: must be true, false, a number, or [low, high] with low <= high".format(
-                figure, condition))
+            raise ValueError("subject_to: {}: {!r}: must be true, false, a number, or [low, high] with low <= high".format(figure, condition))
         return cls(figure, low, high)
 
     @property
@@ -186,8 +186,8 @@ class Problem:
                                                    else "a number: must be a number or [low, high] in subject_to"))
         if problems:
             raise ValueError("\n".join(problems))
-        first, *others = (None if path in self.of_model else path.replace(".", "/").split("/")[0]
-                          for path in [self.minimise] + [constraint.figure for constraint in self.constraints])
+        figures = [self.minimise] + [constraint.figure for constraint in self.constraints]
+        first, *others = (None if path in self.of_model else key_of(path) for path in figures)
         self.goal_key = first
         self.keys = {key for key in others if key is not None}
         self.logarithmic = [low > 0.0 and high >= 10.0 * low for low, high in self.over.values()]
@@ -255,7 +255,7 @@ class Problem:
 
     def of_loop(self, model: Model, figure: str) -> float:
         """A figure of the loop, for cars with limits without them. Raises TypeError if it does not exist."""
-        document = self.analyze(model, {figure, "linear"})
+        document = self.analyze(model, {figure, "linear/" + figure})
         return float(document.get("linear", document)[figure])
 
     def amplification(self, model: Model) -> float:

@@ -54,6 +54,16 @@ std::vector<double> frequencies_about(double peak) {
   return frequencies;
 }
 
+// The keys of `linear` among those given as linear/<key>.
+std::set<std::string> linear_keys(const std::set<std::string>& keys) {
+  const std::string prefix = "linear/";
+  std::set<std::string> found;
+  for (const std::string& key : keys) {
+    if (key.compare(0, prefix.size(), prefix) == 0) found.insert(key.substr(prefix.size()));
+  }
+  return found;
+}
+
 }  // namespace
 
 Analysis analyze(const Configuration& configuration, const SignalRequest& signals, const StageObserver& begins,
@@ -83,9 +93,14 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (needs_any({"warnings"})) analysis.warnings = plausibility_warnings(configuration);
   if (plain && needs("rounding", {"rounding"}))
     analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
-  if (has_limits(model) && needs("the same cars without limits", {"linear"})) {
-    analysis.linear = std::make_shared<const Analysis>(analyze(linear_configuration(configuration), signals, begins));
-    analysis.beyond_limits = beyond_limits(configuration);
+  const std::set<std::string> of_linear = linear_keys(keys);
+  if (has_limits(model) && (!of_linear.empty() || needs_any({"linear"}))) {
+    begins("the same cars without limits");
+    const bool all = needs_any({"linear"});
+    analysis.linear = std::make_shared<const Analysis>(
+        analyze(linear_configuration(configuration), signals, begins, all ? std::set<std::string>() : of_linear));
+    if (all || of_linear.count("probability_beyond_input_limits") > 0)
+      analysis.beyond_limits = beyond_limits(configuration);
   }
   if (analysis.without_theory) return analysis;
   if (needs("verdict", {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable",

@@ -54,8 +54,8 @@ struct Analysis {
 /// The analysis of a configuration's platoon over its steps. Throws ConfigurationError for an endless run, for a
 /// burn-in without amplification, and for more steps than the theory of losses in bursts can be computed for.
 ///
-/// `keys`: keys of the JSON document that are needed; empty: all. A figure is computed only for its own key, and the
-/// values of other keys are then null, empty or missing.
+/// `keys`: keys of the JSON document that are needed, those of `linear` also as linear/<key>; empty: all. A figure is
+/// computed only for its own key, and the values of other keys are then null, empty or missing.
 Analysis analyze(
     const Configuration& configuration, const SignalRequest& signals = {},
     const StageObserver& begins = [](const char*) {}, const std::set<std::string>& keys = {});
