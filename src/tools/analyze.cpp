@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "stochastic_platoon/math/model/signal.hpp"
@@ -13,11 +14,24 @@
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/spaced.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis_report.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
 #include "tools/command_line.hpp"
 
 namespace {
+
+// Tables of an earlier analysis are replaced, and no other file.
+void require_replaceable(const std::string& option, const std::string& file) {
+  if (!std::filesystem::is_regular_file(file)) return;
+  const std::string content = platoon::read_file(file, platoon::kMostGivenBytes);
+  const nlohmann::json document = nlohmann::json::parse(content, nullptr, false);
+  const bool is_analysis =
+      document.is_object() && document.contains("age_of_information") && document.contains("rounding");
+  if (content.empty() || (option == "json" ? is_analysis : content.rfind("headway,", 0) == 0)) return;
+  throw platoon::ConfigurationError({option + ": " + file + ": exists and is no earlier " +
+                                     (option == "json" ? "analysis" : "map") + ": must be another file"});
+}
 
 // The values of an option FROM:TO:COUNT; none if it is not given.
 std::vector<double> values_of(const platoon::CommandLine& given, const std::string& option) {
@@ -77,14 +91,7 @@ int analyze_main(int argc, char** argv) {
     if (given.has("sweep_gain") && !given.has("sweep_headway"))
       throw platoon::ConfigurationError({"--sweep-gain: given: must go with --sweep-headway"});
     for (const char* target : {"json", "csv"}) {
-      for (const char* source : {"model", "leader"}) {
-        std::error_code none;  // the name of a shipped file is no file here
-        const auto read = given.settings.find(source);
-        if (given.has(target) && read != given.settings.end() &&
-            std::filesystem::equivalent(given[target], read->second, none))
-          throw platoon::ConfigurationError(
-              {std::string(target) + ": " + given[target] + ": is the file of " + source + ": must be another one"});
-      }
+      if (given.has(target)) require_replaceable(target, given[target]);
     }
     if (given.has("csv") && !given.has("sweep_headway") && !given.has("sweep_loss") && !given.has("sweep_burst"))
       throw platoon::ConfigurationError({"--csv: given: must go with --sweep-headway, --sweep-loss or --sweep-burst"});

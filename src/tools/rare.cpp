@@ -72,7 +72,10 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
           std::cerr << requirement.over << " " << of << ": " << figure << per << " at the upper 95 % limit\n";
       });
   std::cout << requirement.over << ": " << value << " for at most " << requirement.probability << per
-            << ", any follower, at the upper 95 % limit\n";
+            << ", any follower, at the upper 95 % limit "
+            << (requirement.over == "time_headway" ? platoon::formatted("(%.6g s)", value * base.model.sample_period)
+                                                   : std::string("(in m)"))
+            << "\n";
   return with(value);
 }
 
@@ -152,8 +155,7 @@ int rare_main(int argc, char** argv) {
     const platoon::RareRun run = prepared(configuration, options);
     if (!requirement) platoon::require_an_estimate(run);
     if (given.has("trajectories")) {
-      if (given.has("shard"))
-        throw platoon::ConfigurationError({"shard: given: must be absent beside trajectories"});
+      if (given.has("shard")) throw platoon::ConfigurationError({"shard: given: must be absent beside trajectories"});
       write_trajectories(run, given["vehicle"], given["only"]);
       return 0;
     }

@@ -49,7 +49,8 @@ constexpr double kChosenSeconds = 10.0;
 
 // A shorter default where the theory or the record of the leader requires it.
 void choose_steps(const PlatoonModel& model, RunOptions& run) {
-  const std::int64_t fewest = run.steps;
+  constexpr std::int64_t kFewestOfDrive = 10;
+  std::int64_t fewest = run.steps;
   // A recorded drive as a whole.
   const double seconds = static_cast<double>(model.recorded_leader.size()) * model.sample_period;
   run.steps = chosen_steps(run, model.sample_period, std::max(seconds, kChosenSeconds));
@@ -59,8 +60,11 @@ void choose_steps(const PlatoonModel& model, RunOptions& run) {
   } else if (has_independent_losses(model)) {
     run.steps = std::min(run.steps, static_cast<std::int64_t>(kMostLossResponses / (followers * followers)));
   }
-  if (!model.recorded_leader.empty())
-    run.steps = std::min(run.steps, static_cast<std::int64_t>(model.recorded_leader.size()) - 1);
+  if (!model.recorded_leader.empty()) {
+    const std::int64_t recorded = static_cast<std::int64_t>(model.recorded_leader.size()) - 1;
+    run.steps = std::min(run.steps, recorded);
+    fewest = std::clamp(recorded, kFewestOfDrive, fewest);
+  }
   run.steps = std::max(run.steps, fewest);
 }
 

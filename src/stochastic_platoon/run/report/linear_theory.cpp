@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -17,6 +18,8 @@ namespace platoon {
 
 namespace {
 
+constexpr double kShareOfTime = 0.2;  // of half a minute, of chain_moments()
+
 std::vector<double> largest_of_steps(const Configuration& configuration, const std::vector<double>& cells) {
   std::vector<double> largest;
   for (std::size_t i = 1; !cells.empty() && i <= configuration.run.followers; ++i) {
@@ -29,7 +32,11 @@ std::vector<double> largest_of_steps(const Configuration& configuration, const s
 }  // namespace
 
 Configuration linear_configuration(Configuration configuration) {
-  configuration.model = without_limits(configuration.model, configuration.run.steps);
+  RunOptions& run = configuration.run;
+  configuration.model = without_limits(configuration.model, run.steps);
+  // Steps that were chosen for a run without a theory may be more than its exact moments can have.
+  if (run.steps_chosen && needs_chain_moments(configuration.model) && !no_theory(configuration.model))
+    run.steps = std::min(run.steps, most_chain_steps(configuration.model, run.followers, kShareOfTime));
   return configuration;
 }
 
