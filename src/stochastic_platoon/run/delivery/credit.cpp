@@ -57,18 +57,29 @@ bool Credit::acknowledge(const std::string& receiver, const Acknowledgement& rep
   const bool through_a_batch = sender.latest && report.first_realization > sender.latest->first_realization;
   sender.latest = report;
   const bool more = of_this_attempt && messages > (sender.in_attempt ? sender.messages : 0);
-  if (more && !may_publish()) last_activity_ = now;
+  if (more && !may_publish()) progressed(now);
   sender.messages = messages;
   sender.in_attempt = of_this_attempt;
   if (lost && !complete() && may_begin()) begin_attempt(now);
   if (acknowledged() > before) {
     flowed_ = true;
-    last_activity_ = now;
+    progressed(now);
+    if (before == 0) {  // the first step has a timeout of its own
+      flows_since_ = now;
+      longest_wait_ = 0.0;
+    }
     first_step_patience_ = limits_.first_step_timeout;
-    if (through_a_batch || now - attempt_began_ > patience_) patience_ = limits_.stall_timeout;
+    if (through_a_batch || now - flows_since_ > patience_)
+      patience_ = std::max(limits_.stall_timeout, kGrowth * longest_wait_);
     if (through_a_batch) notice_pause_ = kNoticePause;
   }
   return true;
+}
+
+// A wait beyond the timeout, while nothing may be repeated, counts as that of the timeout.
+void Credit::progressed(double now) {
+  longest_wait_ = std::max(longest_wait_, std::min(now - last_activity_, patience_));
+  last_activity_ = now;
 }
 
 // Without a stall_timeout no attempt begins once steps have flowed, even if the leader joins a running platoon.
@@ -95,7 +106,7 @@ void Credit::begin_attempt(double now) {
   ++attempt_;
   upcoming_ = {attempt_, start_, kInitialStep};
   published_ = 0;
-  attempt_began_ = last_activity_ = now;
+  last_activity_ = now;
 }
 
 std::optional<MessageId> Credit::next(double now) {

@@ -23,8 +23,9 @@ struct CreditLimits {
 /// acknowledgement of the attempt, then `window` unacknowledged steps. The next attempt begins when the timeout passes
 /// without progress, or as soon as a receiver's report shows that it has lost its state. The timeout grows by a factor
 /// of 1.5 with each consecutive stall, so that a slow machine still makes progress; it is reset when a batch completes,
-/// or when steps have flowed for as long as the timeout. With a stall_timeout of 0 no attempt is repeated once steps
-/// have flowed, even if messages are lost: a real vehicle cannot go back.
+/// or when steps have flowed for as long as the timeout, but stays above the waits between the steps that have flowed.
+/// With a stall_timeout of 0 no attempt is repeated once steps have flowed, even if messages are lost: a real vehicle
+/// cannot go back.
 class Credit {
 public:
   Credit(const BatchSchedule& schedule, const CreditLimits& limits, const std::vector<std::string>& receivers);
@@ -70,6 +71,7 @@ private:
   bool may_publish() const;
   bool may_begin() const;
   void begin_attempt(double now);
+  void progressed(double now);
 
   BatchSchedule schedule_;
   CreditLimits limits_;
@@ -79,7 +81,8 @@ private:
   MessageId upcoming_{};        ///< the message to publish next
   std::int64_t published_ = 0;  ///< steps published in this attempt
   bool flowed_ = false;         ///< all receivers have acknowledged a step
-  double attempt_began_ = 0.0;  ///< [s]
+  double flows_since_ = 0.0;    ///< [s] first acknowledgement of the attempt
+  double longest_wait_ = 0.0;   ///< [s] for progress since then
   double last_activity_ = 0.0;  ///< [s]
   double first_step_patience_;  ///< [s] grows while attempts get no acknowledgement
   double patience_;             ///< [s] grows while attempts stall before their first batch completes

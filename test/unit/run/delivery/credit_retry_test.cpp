@@ -139,6 +139,28 @@ TEST(CreditRetry, WaitsLongEnoughForASlowFirstStepEvenWithAShortStallTimeout) {
   EXPECT_EQ(published(credit, now).size(), 5u);
 }
 
+// Each step takes 0.05 s, five times as long as the timeout.
+TEST(CreditRetry, CompletesALongBatchOfStepsThatTakeLongerThanTheStallTimeout) {
+  Credit credit = with_monitor({8, 8, 200}, {5, 0.01, 0.01});
+  double now = 0.0, begun = 0.0;
+  std::deque<MessageId> waiting;
+  while (!credit.complete() && now < 600.0) {
+    now += 0.002;
+    if (credit.retry_if_stalled(now)) waiting.clear();
+    for (const MessageId& id : published(credit, now)) {
+      if (waiting.empty()) begun = now;
+      waiting.push_back(id);
+    }
+    if (waiting.empty() || now - begun < 0.05) continue;
+    const MessageId id = waiting.front();
+    waiting.pop_front();
+    begun = now;
+    credit.acknowledge(kMonitor, id.step == 199 ? MessageId{id.attempt, 8, kNothingYet} : id, now);
+  }
+  EXPECT_TRUE(credit.complete());
+  EXPECT_LT(credit.attempt(), 40u);
+}
+
 TEST(CreditRetry, StartsANewAttemptAtOnceIfAReceiverRestarts) {
   Credit credit = under_way();
   published(credit);
