@@ -7,6 +7,7 @@
 #include <ros/param.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
@@ -83,30 +84,6 @@ std::string absolute_names(const std::string& bags) {
   return names;
 }
 
-// Throws ConfigurationError unless the bag can be written without overwriting another.
-void require_free_recording(const platoon::RunOptions& run) {
-  if (run.record.empty()) return;
-  const std::string stem = run.record.size() > 4 ? run.record.substr(0, run.record.size() - 4) : "";
-  if (stem.empty() || stem + ".bag" != run.record) {
-    throw platoon::ConfigurationError({"record: " + run.record + ": must be a file name that ends in .bag"});
-  }
-  try {
-    platoon::require_writable_folder(std::filesystem::path(run.record).parent_path().string());
-  } catch (const std::runtime_error& error) {
-    throw platoon::ConfigurationError(
-        {std::string("record: ") + error.what() + ": must be in a folder that can be written"});
-  }
-  try {
-    std::string left = platoon::left_recording(run.record);
-    if (left.empty()) left = platoon::left_recording(stem + "_0.bag");
-    if (left.empty() && run.record_split_mb > 0) left = platoon::left_part(run.record);
-    if (!left.empty()) throw platoon::ConfigurationError({"record: " + left + ": exists: must be a new file"});
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw platoon::ConfigurationError(
-        {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});
-  }
-}
-
 // Throws ConfigurationError unless `first` and `last` name vehicles of a string of `most`: at least one for followers
 // that outlive launches, while a platoon may leave all its followers to them.
 void require_range(const platoon::CommandLine& line, std::int64_t most, bool kept) {
@@ -158,31 +135,53 @@ void require_as_recorded(const std::map<std::string, std::string>& settings) {
   if (!problems.empty()) throw platoon::ConfigurationError(problems);
 }
 
-// Throws ConfigurationError if a platoon runs in the namespace already, or a vehicle that this launch would start.
-void require_free_namespace(const platoon::CommandLine& line, const platoon::RunOptions& run) {
-  if (platoon::roslaunch_process() == 0) return;
+// Joins the master of this launch and returns the namespace of its platoon, resolved; none without a launch.
+std::optional<std::string> joined_namespace(const platoon::CommandLine& line) {
+  if (platoon::roslaunch_process() == 0) return std::nullopt;
   const char* environment = std::getenv("ROS_MASTER_URI");
   ros::init(ros::M_string{{"__master", platoon::master_address(platoon::command_line(), environment)}}, "configure",
             ros::init_options::AnonymousName | ros::init_options::NoRosout | ros::init_options::NoSigintHandler);
   std::string problem;
   if (!ros::names::validate(line["ns"], problem))
     throw platoon::ConfigurationError({"ns: " + line["ns"] + ": " + problem});
-  const std::string name_space = ros::names::resolve(line["ns"]);
+  return ros::names::resolve(line["ns"]);
+}
+
+// A live publisher of one of the selected topics of a platoon.
+template <typename Selected>
+std::optional<platoon::TopicPublisher> publisher_in(const std::string& name_space, const Selected& selected) {
+  return platoon::live_publisher([&](const std::string& name) {
+    const std::optional<platoon::PlatoonTopic> topic = platoon::parse_topic(name);
+    return topic && topic->name_space == name_space && selected(*topic);
+  });
+}
+
+// Throws ConfigurationError if a vehicle runs already that this launch would start.
+void require_free_vehicles(const platoon::CommandLine& line, const std::string& name_space,
+                           const std::vector<std::size_t>& external) {
+  const auto number = [&line](const char* key) { return std::strtoull(line[key].c_str(), nullptr, 10); };
+  const auto vehicle = publisher_in(name_space, [&](const platoon::PlatoonTopic& topic) {
+    return topic.kind == platoon::PlatoonTopic::Kind::position && topic.vehicle >= number("first") &&
+           topic.vehicle <= number("last") && !std::binary_search(external.begin(), external.end(), topic.vehicle);
+  });
+  if (!vehicle) return;
+  throw platoon::ConfigurationError({vehicle->topic + ": node " + vehicle->node +
+                                     " publishes it already: must be outside first:= .. last:=, or in external:="});
+}
+
+// Throws ConfigurationError if a platoon runs in the namespace already, or a vehicle that this launch would start.
+void require_free_namespace(const platoon::CommandLine& line, const platoon::RunOptions& run) {
+  const std::optional<std::string> name_space = joined_namespace(line);
+  if (!name_space) return;
   using Topic = platoon::PlatoonTopic;
-  const auto publisher = [&name_space](const auto& selected) {
-    return platoon::live_publisher([&](const std::string& name) {
-      const std::optional<Topic> topic = platoon::parse_topic(name);
-      return topic && topic->name_space == name_space && selected(*topic);
-    });
-  };
   // Followers may outlive runs.
-  const auto running = publisher([](const Topic& topic) {
+  const auto running = publisher_in(*name_space, [](const Topic& topic) {
     const bool of_vehicle = topic.kind == Topic::Kind::position || topic.kind == Topic::Kind::input;
     return !of_vehicle || topic.vehicle == 0;
   });
   if (running) {
     std::string text;
-    ros::param::get(name_space + "/configuration", text);
+    ros::param::get(*name_space + "/configuration", text);
     const auto configuration = nlohmann::json::parse(text, nullptr, false);
     const std::string output =
         configuration.is_object() ? configuration.value(nlohmann::json::json_pointer("/run/output"), "") : "";
@@ -190,14 +189,7 @@ void require_free_namespace(const platoon::CommandLine& line, const platoon::Run
                                        ", results in " + output +
                                        "): must be another namespace, as in ns:=platoon2, or wait for its end"});
   }
-  const auto number = [&line](const char* key) { return std::strtoull(line[key].c_str(), nullptr, 10); };
-  const auto vehicle = publisher([&](const Topic& topic) {
-    return topic.kind == Topic::Kind::position && topic.vehicle >= number("first") && topic.vehicle <= number("last") &&
-           !run.is_external(topic.vehicle);
-  });
-  if (!vehicle) return;
-  throw platoon::ConfigurationError({vehicle->topic + ": node " + vehicle->node +
-                                     " publishes it already: must be outside first:= .. last:=, or in external:="});
+  require_free_vehicles(line, *name_space, run.external);
 }
 
 // The settings that are given to the launch file.
@@ -242,7 +234,7 @@ int configure_main(int argc, char** argv) {
          "of a replay, which needs --bag: what the recording drives, leader or a vehicle as vehicle_3; empty: the monitor"},
         {"first", "first vehicle that the launch starts"},
         {"last", "last vehicle that the launch starts"},
-        {"kept", "true: check `first`, `last` and `external` of followers.launch, and nothing else"},
+        {"kept", "true: check the arguments of followers.launch, and nothing else"},
         {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
         {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
         {"unverified", "true: with --bag, also of recordings without checksums"}}});
@@ -260,7 +252,9 @@ int configure_main(int argc, char** argv) {
     if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
     if (line["kept"] == "true") {
       require_range(line, platoon::kMaxFollowers, true);
-      external_vehicles(line);
+      const std::vector<std::size_t> external = external_vehicles(line);
+      const std::optional<std::string> name_space = joined_namespace(line);
+      if (name_space) require_free_vehicles(line, *name_space, external);
       return 0;
     }
     require_log_folder();
@@ -281,7 +275,7 @@ int configure_main(int argc, char** argv) {
     require_range(line, static_cast<std::int64_t>(configuration.run.followers), false);
     require_all_in_one_process(line, configuration.run);
     require_free_namespace(line, configuration.run);
-    require_free_recording(configuration.run);
+    platoon::require_free_recording(configuration.run.record, configuration.run.record_split_mb > 0);
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
     if (start) configuration.run.first_realization = start->totals.count();

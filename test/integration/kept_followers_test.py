@@ -82,6 +82,22 @@ class Kept:
 
 
 class ChangingModels(FolderTest):
+    def test_a_vehicle_is_not_started_twice(self):
+        kept = Kept(self.addCleanup, self.folder, 4, 3)
+        state = rosgraph.Master("/kept_followers_test", kept.master).getSystemState
+        live_platoon.wait_for(lambda: "/platoon/vehicle_3/position" in dict(state()[0]), "vehicle_3")
+        twice = Terminal(self.folder, "followers.launch", master=kept.master, first=2, last=3)
+        self.addCleanup(twice.end)
+        self.assertNotEqual(twice.wait(LONGEST), 0)
+        self.assertIn("/platoon/vehicle_3/position: node /platoon/vehicle_3 publishes it already: must be outside first:= .. last:=, or in "
+                      "external:=", twice.text())
+        self.assertNotIn("process[", twice.text())
+        beside = Terminal(self.folder, "followers.launch", master=kept.master, first=2, last=3, external=3)
+        self.addCleanup(beside.end)
+        beside.wait_for_text("process[platoon/vehicle_2")
+        kept.first = 2
+        kept.run(kept.models[0], False)
+
     def test_radios_come_and_go_recorded_or_not_and_every_run_has_its_bits(self):
         kept = Kept(self.addCleanup, self.folder, 6, 3)
         paper, cacc, lossy, _, _, path, two_ahead, radios = kept.models

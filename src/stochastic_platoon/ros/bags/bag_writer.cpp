@@ -11,6 +11,7 @@
 
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/xxhash64.hpp"
 
@@ -192,6 +193,28 @@ std::string left_part(const std::string& name) {
     if (is_part(file) && (first.empty() || file < first)) first = file;
   }
   return first.empty() ? "" : (path.parent_path() / first).string();
+}
+
+void require_free_recording(const std::string& record, bool in_parts) {
+  if (record.empty()) return;
+  const std::string stem = record.size() > 4 ? record.substr(0, record.size() - 4) : "";
+  if (stem.empty() || stem + ".bag" != record) {
+    throw ConfigurationError({"record: " + record + ": must be a file name that ends in .bag"});
+  }
+  try {
+    require_writable_folder(std::filesystem::path(record).parent_path().string());
+  } catch (const std::runtime_error& error) {
+    throw ConfigurationError({std::string("record: ") + error.what() + ": must be in a folder that can be written"});
+  }
+  try {
+    std::string left = left_recording(record);
+    if (left.empty()) left = left_recording(stem + "_0.bag");
+    if (left.empty() && in_parts) left = left_part(record);
+    if (!left.empty()) throw ConfigurationError({"record: " + left + ": exists: must be a new file"});
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw ConfigurationError(
+        {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});
+  }
 }
 
 }  // namespace platoon

@@ -93,4 +93,8 @@ std::string left_recording(const std::string& name);
 /// Throws std::filesystem::filesystem_error if the folder cannot be read.
 std::string left_part(const std::string& name);
 
+/// Throws ConfigurationError unless the bag, or one in parts, can be written without overwriting another; an empty name
+/// is none.
+void require_free_recording(const std::string& record, bool in_parts);
+
 }  // namespace platoon
