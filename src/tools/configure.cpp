@@ -201,11 +201,6 @@ std::map<std::string, std::string> not_empty(const std::map<std::string, std::st
   return found;
 }
 
-// The values that roslaunch accepts as true.
-bool is_true(const std::string& text) {
-  return text == "true" || text == "True" || text == "1";
-}
-
 // Throws ConfigurationError unless the recording holds what the argument `drive` of a replay names.
 void require_drive(const std::string& drive, const platoon::RunOptions& recorded) {
   if (drive.empty() || drive == "leader") return;
@@ -227,7 +222,8 @@ int configure_main(int argc, char** argv) {
       {"Checks a platoon's configuration and prints it for the parameter server\n"
        "Example: configure --model acc.yaml --followers 5",
        all_settings,
-       {{"bag", "recordings whose configuration is the default for all settings, separated by spaces"},
+       {{"bag",
+         "recordings to replay, separated by spaces: their run is repeated; with --drive leader, settings change it"},
         {"bag_names", "prints the absolute names of these recordings, separated by spaces, and nothing else"},
         {"ns", "namespace of the platoon, which must be free"},
         {"drive",
@@ -236,7 +232,12 @@ int configure_main(int argc, char** argv) {
         {"last", "last vehicle that the launch starts"},
         {"kept", "true: check the arguments of followers.launch, and nothing else"},
         {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
-        {"recorded_leader", "true: with --bag, vehicle 0 as it was recorded drives the platoon"},
+        {"replay_rate", "of a replay: its argument rate"},
+        {"start", "the same: its argument start"},
+        {"pause", "the same"},
+        {"patience", "the same"},
+        {"dashboard", "the same"},
+        {"stay", "the same"},
         {"unverified", "true: with --bag, also of recordings without checksums"}}});
   try {
     if (line["quote_in_path"] == "true") {
@@ -253,16 +254,22 @@ int configure_main(int argc, char** argv) {
     if (line["kept"] == "true") {
       require_range(line, platoon::kMaxFollowers, true);
       const std::vector<std::size_t> external = external_vehicles(line);
-      const std::optional<std::string> name_space = joined_namespace(line);
-      if (name_space) require_free_vehicles(line, *name_space, external);
+      if (const auto name_space = joined_namespace(line)) require_free_vehicles(line, *name_space, external);
       return 0;
     }
     require_log_folder();
     if (line.has("drive") && line["bag"].find_first_not_of(' ') == std::string::npos)
       throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
-    const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole, is_true(line["unverified"])};
-    if (line.has("drive")) require_drive(line["drive"], platoon::configuration_to_repeat(bags).run);
-    const bool recorded_leader = is_true(line["recorded_leader"]);
+    const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole,
+                                  platoon::is_true(line["unverified"])};
+    if (line.has("drive")) {
+      require_drive(line["drive"], platoon::configuration_to_repeat(bags).run);
+      std::map<std::string, std::string> given = line.options;
+      given.insert(line.settings.begin(), line.settings.end());
+      const std::vector<std::string> ineffective = platoon::ineffective_arguments(given);
+      if (!ineffective.empty()) throw platoon::ConfigurationError(ineffective);
+    }
+    const bool recorded_leader = line["drive"] == "leader";
     if (!bags.files.empty() && !recorded_leader) require_as_recorded(line.settings);
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();

@@ -243,7 +243,7 @@ class Damaged(BagTest):
                 with open(forged, "wb") as file:
                     file.write(bent)
                 self.output = self.path("out{}{}".format(place, drive))
-                terminal = self.launch("replay.launch", bag=forged, drive=drive)
+                terminal = self.launch("replay.launch", bag=forged, drive=drive, **(dict(output="") if drive else {}))
                 terminal.wait()
                 self.assertIn(reason, terminal.text())
                 self.assertNotIn("equal the recorded ones", terminal.text())

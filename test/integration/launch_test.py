@@ -62,6 +62,16 @@ class BadInput(LaunchTest):
                           "seed: given: must be with drive:=leader", file="replay.launch", bag=small, unverified=True, drive=drive,
                           headway=2.4, followers=5, seed=9)
 
+    def test_an_argument_of_a_replay_without_effect_is_named(self):
+        small = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data", "small.bag")
+        self.rejected("rate: -1: must be a finite number >= 0", "patience: given: must be with drive:=vehicle_N", file="replay.launch", bag=small,
+                      rate=-1, patience=5)
+        self.rejected("start: given: must be without drive:=leader", "pause: given: must be without drive:=leader", file="replay.launch",
+                      bag=small, drive="leader", start=5, pause=True)
+        self.rejected(*("{}: given: must be without drive:=vehicle_1".format(name) for name in ("rate", "start", "dashboard", "stay", "output")),
+                      "external: 2: must be 1, the replayed vehicle, or empty", file="replay.launch", bag=small, drive="vehicle_1", rate=2,
+                      start=5, dashboard=True, stay=True, external=2)
+
     def test_a_part_of_the_string_in_one_process_is_rejected(self):
         self.rejected("first, last: 1, 2: must be 1 and 4 with hosting:=one_process, which runs all vehicles", hosting="one_process",
                       followers=4, last=2)

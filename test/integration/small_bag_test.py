@@ -72,7 +72,7 @@ class SmallBag(SmallBagTest):
         bag = self.bent("leader.bag", change)
         for unverified, reason in (("false", "messages are not as they were recorded"),
                                    ("true", "is damaged: the leader is not at one place at step 2")):
-            result = tool("configure", bag=bag, recorded_leader="true", hosting="one_process", output=self.path("out"), unverified=unverified)
+            result = tool("configure", bag=bag, drive="leader", hosting="one_process", output=self.path("out"), unverified=unverified)
             self.assertNotEqual(result.returncode, 0)
             self.assertIn(reason, result.stderr)
 

@@ -8,6 +8,9 @@
 #include <regex>
 #include <set>
 
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
@@ -104,6 +107,46 @@ std::vector<std::string> undeclared_arguments(const std::vector<std::string>& co
     problems.push_back(problem + " (roslaunch --ros-args lists the arguments)");
   }
   return problems;
+}
+
+std::vector<std::string> ineffective_arguments(std::map<std::string, std::string> given) {
+  std::vector<std::string> problems;
+  const auto number = [&](const char* option, const char* name, double otherwise) {
+    if (given[option].empty()) return otherwise;
+    try {
+      return number_of(name, given[option], kNotNegative);
+    } catch (const ConfigurationError& error) {
+      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
+      return otherwise;
+    }
+  };
+  const auto reject = [&](bool is_given, const std::string& name, const std::string& allowed) {
+    if (is_given) problems.push_back(name + ": given: must be " + allowed);
+  };
+  constexpr double kPatience = 60.0;  // default of replay.launch [s]
+  const std::string drive = given["drive"], prefix = "vehicle_", external = given["external"];
+  const bool all = drive.empty(), one = drive.compare(0, prefix.size(), prefix) == 0;
+  const double rate = number("replay_rate", "rate", 0.0), start = number("start", "start", 0.0);
+  const std::string without = "without drive:=" + drive;
+  reject(!all && start != 0.0, "start", without);
+  reject(all && start != 0.0 && rate == 0.0, "start",
+         "with a rate above 0, as otherwise all passes as fast as possible");
+  reject(!all && is_true(given["pause"]), "pause", without);
+  reject(number("patience", "patience", kPatience) != kPatience && !one, "patience", "with drive:=vehicle_N");
+  reject(all && !external.empty(), "external", "with drive:=leader or drive:=vehicle_N");
+  if (!one) return problems;
+  reject(rate != 0.0, "rate", without + ", as the vehicle is driven as fast as it answers");
+  for (const char* name : {"dashboard", "stay"})
+    reject(is_true(given[name]), name, without + ", which ends with a verdict");
+  reject(!given["output"].empty(), "output", without + ", which has no results but a verdict");
+  if (const std::string vehicle = drive.substr(prefix.size()); !external.empty() && external != vehicle)
+    problems.push_back("external: " + printable(external) + ": must be " + vehicle +
+                       ", the replayed vehicle, or empty");
+  return problems;
+}
+
+bool is_true(const std::string& text) {
+  return text == "true" || text == "True" || text == "1";
 }
 
 std::string master_address(const std::vector<std::string>& command_line, const char* environment) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,13 @@ namespace platoon {
 /// `folder` holds the launch files of this package. Empty for a launch file of another package, which is not found, and
 /// for a command line of another program than roslaunch.
 std::vector<std::string> undeclared_arguments(const std::vector<std::string>& command_line, const std::string& folder);
+
+/// The arguments of replay.launch that have no effect, or a value out of range, one sentence each. `given` holds them
+/// by their names, but `rate` as replay_rate; numbers that are absent or empty are the defaults.
+std::vector<std::string> ineffective_arguments(std::map<std::string, std::string> given);
+
+/// Whether roslaunch reads this as true.
+bool is_true(const std::string& text);
 
 /// The address of the master of a roslaunch command line: that of --port (-p), else `environment` (ROS_MASTER_URI),
 /// else that of the default port.

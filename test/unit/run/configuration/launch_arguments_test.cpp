@@ -53,6 +53,38 @@ TEST(LaunchArguments, InCommentsAreIgnored) {
   EXPECT_EQ(problems({mine, "headway:=2.4"}).size(), 1u) << "it does not pass it on";
 }
 
+TEST(LaunchArguments, OfAReplayHaveAnEffect) {
+  const Words none;
+  EXPECT_EQ(ineffective_arguments({}), none);
+  EXPECT_EQ(ineffective_arguments({{"replay_rate", "0"}, {"start", "0"}, {"pause", "false"}, {"patience", "60"}}),
+            none);
+  EXPECT_EQ(ineffective_arguments({{"replay_rate", "2"}, {"start", "5"}, {"pause", "true"}, {"stay", "1"}}), none);
+  EXPECT_EQ(ineffective_arguments({{"drive", "leader"}, {"replay_rate", "2"}, {"external", "1,3"}}), none);
+  EXPECT_EQ(ineffective_arguments({{"drive", "vehicle_3"}, {"patience", "20"}, {"external", "3"}}), none);
+  EXPECT_EQ(ineffective_arguments({{"replay_rate", "-1"}, {"start", "x"}, {"patience", "5"}, {"external", "2"}}),
+            (Words{"rate: -1: must be a finite number >= 0", "start: x: must be a finite number >= 0",
+                   "patience: given: must be with drive:=vehicle_N",
+                   "external: given: must be with drive:=leader or drive:=vehicle_N"}));
+  EXPECT_EQ(ineffective_arguments({{"start", "5"}}),
+            Words{"start: given: must be with a rate above 0, as otherwise all passes as fast as possible"});
+  EXPECT_EQ(ineffective_arguments({{"drive", "leader"}, {"replay_rate", "2"}, {"start", "5"}, {"pause", "True"}}),
+            (Words{"start: given: must be without drive:=leader", "pause: given: must be without drive:=leader"}));
+  EXPECT_EQ(ineffective_arguments({{"drive", "vehicle_3"},
+                                   {"replay_rate", "2"},
+                                   {"start", "5"},
+                                   {"pause", "1"},
+                                   {"dashboard", "true"},
+                                   {"stay", "true"},
+                                   {"output", "/tmp/run"},
+                                   {"external", "2,3"}}),
+            (Words{"start: given: must be without drive:=vehicle_3", "pause: given: must be without drive:=vehicle_3",
+                   "rate: given: must be without drive:=vehicle_3, as the vehicle is driven as fast as it answers",
+                   "dashboard: given: must be without drive:=vehicle_3, which ends with a verdict",
+                   "stay: given: must be without drive:=vehicle_3, which ends with a verdict",
+                   "output: given: must be without drive:=vehicle_3, which has no results but a verdict",
+                   "external: 2,3: must be 3, the replayed vehicle, or empty"}));
+}
+
 TEST(LaunchArguments, SelectTheMasterBeforeTheEnvironmentAndTheDefault) {
   const Words file{"roslaunch", "stochastic_platoon", "platoon.launch"};
   for (const Words& port : {Words{"-p", "11312"}, Words{"-p11312"}, Words{"--port", "11312"}, Words{"--port=11312"}}) {
