@@ -90,7 +90,11 @@ void require_range(const platoon::CommandLine& line, std::int64_t most, bool kep
   std::vector<std::string> problems;
   const auto vehicle = [&](const char* key, std::int64_t least, std::int64_t greatest) {
     try {
-      return platoon::integer_of(key, line[key], least, greatest);
+      const std::int64_t number = platoon::integer_of(key, line[key], least, greatest);
+      if (const std::string digits = std::to_string(number); digits != line[key])
+        problems.push_back(std::string(key) + ": " + line[key] + ": must be written " + digits +
+                           ", in digits alone, as launch files read it too (last:= is followers:= by default)");
+      return number;
     } catch (const platoon::ConfigurationError& error) {
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
       return std::int64_t{1};
