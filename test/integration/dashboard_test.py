@@ -198,6 +198,37 @@ class OtherRuns(Page):
         self.assertAlmostEqual(chart["top"] + float(re.match(r"M\S+ (\S+)H", chart["limit"]).group(1)), height(final["limit_variance"]), delta=0.6)
         self.assertIn("String stable", browser.text("#verdict"))
 
+    def said_by_a_node(self, name, *arguments):
+        """Starts a node; returns a function that waits until it has printed these words."""
+        with open(self.path(name), "w") as file:
+            node = self.background(live_platoon.shared("src", "tools", "dashboard"), "__ns:=" + name, *arguments, stdout=file,
+                                   stderr=subprocess.STDOUT)
+        self.addCleanup(node.kill)  # rospy may ignore a signal while it starts
+
+        def has(words):
+            with open(self.path(name)) as printed:
+                return words in printed.read() or node.poll() is not None
+
+        def said(words):
+            live_platoon.wait_for(lambda: has(words), words)
+            self.assertIsNone(node.poll(), "the node has ended")
+        return said
+
+    def test_an_address_that_is_none_is_said_and_one_of_digits_is_served(self):
+        self.said_by_a_node("no_address", "_host:=a..b")("cannot serve the page at a..b:0: ")
+        self.said_by_a_node("digits", "_host:=0")("Dashboard: http://0:")
+
+    def test_a_port_in_use_is_tried_again_without_a_clock(self):
+        rospy.set_param("/use_sim_time", True)
+        self.addCleanup(rospy.delete_param, "/use_sim_time")
+        with socket.socket() as taken:
+            taken.bind(("localhost", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            said = self.said_by_a_node("no_clock", "_port:={}".format(port))
+            said("cannot serve the page at localhost:{}: ".format(port))
+        said("Dashboard: http://localhost:{}".format(port))
+
     def test_of_a_replay(self):
         terminal = self.launch("replay.launch", bag=live_platoon.shared("test", "data", "small.bag"), dashboard=True)
         url = address(terminal)
