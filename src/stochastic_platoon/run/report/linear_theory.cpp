@@ -18,7 +18,7 @@ namespace platoon {
 
 namespace {
 
-constexpr double kShareOfTime = 0.2;  // of half a minute, of chain_moments()
+constexpr double kShareForLinear = 0.2;  // of half a minute, of chain_moments()
 
 std::vector<double> largest_of_steps(const Configuration& configuration, const std::vector<double>& cells) {
   std::vector<double> largest;
@@ -36,7 +36,7 @@ Configuration linear_configuration(Configuration configuration) {
   configuration.model = without_limits(configuration.model, run.steps);
   // Steps that were chosen for a run without a theory may be more than its exact moments can have.
   if (run.steps_chosen && needs_chain_moments(configuration.model) && !no_theory(configuration.model))
-    run.steps = std::min(run.steps, most_chain_steps(configuration.model, run.followers, kShareOfTime));
+    run.steps = std::min(run.steps, most_chain_steps(configuration.model, run.followers, kShareForLinear));
   return configuration;
 }
 
