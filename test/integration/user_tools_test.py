@@ -1,15 +1,12 @@
 #!/usr/bin/python3
-"""check, export and report: the programs that judge and pass on the results of a run."""
+"""check and export: the programs that judge and pass on the results of a run."""
 
 import csv
-import html
 import json
 import os
 import pathlib
-import re
 import shutil
 import subprocess
-import sys
 import unittest
 import zlib
 
@@ -19,9 +16,6 @@ import stochastic_platoon as sp
 import live_platoon
 from folder import FolderTest, temporary_folder
 from recording import DATA, BagTest
-
-sys.path.insert(0, live_platoon.shared("src", "tools"))
-from reporting import page as report_page  # noqa: E402
 
 SMALL = os.path.join(DATA, "small.bag")
 
@@ -226,82 +220,6 @@ class Export(FolderTest):
         self.assertEqual(done.returncode, 1)
         self.assertIn("damaged.bag", done.stderr)
         self.assertFalse(os.path.exists(self.path("out", "trajectories.csv")))
-
-
-class Report(RunTest):
-    def report(self, *arguments, output="report.html"):
-        return script("report", *arguments, "--output", self.path(output))
-
-    def page(self, *folders):
-        done = self.report(*folders)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return pathlib.Path(self.path("report.html")).read_text(encoding="utf-8")
-
-    def test_the_page_has_verdict_numbers_figures_and_checksums_and_needs_no_other_file(self):
-        page, summary = self.page(self.run_folder), self.summary()
-        for words in ("string stable", "complete, undamaged, in agreement", summary["theory"]["reason"],
-                      summary["revision"], summary["version"], summary["date"], "standard error", "prepared by", "controller/denominator",
-                      "largest |z|", "noise_variance</th><td>{} m²".format(summary["configuration"]["model"]["noise_variance"]),
-                      *summary["crc32"].values(), *summary["warnings"]):
-            self.assertIn(words, html.unescape(page))
-        self.assertEqual(page.count("<svg"), 3)  # errors, gaps, amplification
-        self.assertEqual(re.findall(r'(?:href|src)="(?!#|data:)[^"]*"', page), [])
-        last = sp.Results.load(self.run_folder)
-        self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.variance[2, -1]), page)
-        self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.theoretical_variance[2, -1]), page)
-
-    def test_every_number_of_a_model_has_its_unit_unless_it_has_none(self):
-        without = {"headway_filter", "divide_by_one_plus_headway", "on_loss", "probability", "numerator", "denominator", "A", "B", "C",
-                   "own_acceleration", "inputs", "string", "start", "spacing", "allow_unstable"}
-        for name in sorted(os.listdir(live_platoon.shared("config"))):
-            if not name.endswith(".yaml"):
-                continue
-            for path, _ in report_page.flattened(sp.Model.load(name).to_dict()):
-                self.assertNotEqual(bool(report_page.unit_of(path)), path.rsplit("/", 1)[-1] in without, "{}: {}".format(name, path))
-
-    def test_inputs_are_shown_whole_but_long_lists_are_cut(self):
-        inputs = [{"signal": "position", "noise_variance": 0.02, "channel": {"delay": n, "loss": {"trace": {"runs": [3, 1] * 500}}}} for n in range(20)]
-        shown = dict(report_page.flattened({"inputs": inputs, "leader": {"speed": [{"from_step": k, "value": 20.0} for k in range(3000)]},
-                                            "types": {"car": {"inputs": inputs}}}))
-        self.assertEqual(shown["inputs"].count("'signal': 'position', 'noise_variance': 0.02"), 20)
-        self.assertEqual(shown["inputs"].count("(1000 values)"), 20)
-        self.assertEqual(shown["types/car/inputs"], shown["inputs"])
-        self.assertLess(len(shown["leader/speed"]), 200)
-        self.assertIn("(3000 values)", shown["leader/speed"])
-
-    def test_a_run_that_fails_its_check_shows_the_reason(self):
-        summary = self.summary()
-        summary["agreement"]["max_abs_z_mean"] = 9.5
-        sign(self.run_folder, summary)
-        page = self.page(self.run_folder, self.whole)
-        self.assertIn("check failed", page)
-        self.assertIn("largest |z| 9.50 for the means", page)
-        self.assertEqual(page.count("<h2>"), 2)
-
-    def test_one_realization_of_cars_without_a_theory_says_why_a_figure_and_the_theory_are_missing(self):
-        sp.monte_carlo(sp.Model.load("acc_limits.yaml"), followers=2, steps=20, realizations=1, signals=["gap"], output=self.path("one"))
-        page = self.page(self.path("one"))
-        self.assertIn("Theory: none, as vehicles have limits.", page)
-        self.assertIn("variance is NaN everywhere: it takes at least two realizations", page)
-        self.assertEqual(page.count("<svg"), 1)  # gaps
-        analysis = self.path("theory.json")
-        live_platoon.tool("analyze", model="acc_limits.yaml", json=analysis)
-        self.assertIn("theory.json: norms.mean_l2 is missing; theory: none, as vehicles have limits; linear.norms.mean_l2 is that of the same cars "
-                      "without limits", script("plot", "norms", analysis).stderr)
-
-    def test_nothing_is_overwritten_and_bad_names_are_rejected(self):
-        self.write("report.html", "before")
-        for output, reason in (("report.html", "exists and is never overwritten"), ("report.txt", "must end in .html or .pdf"),
-                               ("none/report.html", "no such folder")):
-            done = self.report(self.run_folder, output=output)
-            self.assertEqual(done.returncode, 1)
-            self.assertIn(reason, done.stderr)
-
-    @unittest.skipUnless(shutil.which("chromium"), "needs chromium")
-    def test_a_pdf_is_printed(self):
-        done = self.report(self.run_folder, output="report.pdf")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(pathlib.Path(self.path("report.pdf")).read_bytes()[:5], b"%PDF-")
 
 
 if __name__ == "__main__":

@@ -13,10 +13,12 @@ import numpy as np
 import stochastic_platoon as sp
 from matplotlib.figure import Figure
 from plotting import amplification, files, gaps, style, tracking_errors
+from scipy import special
 
 SHOWN_ENDS = 10  # rows of a table at either end of a long string
 LONGEST_VALUE = 160  # characters of a value of the model
-MEANING_OF_Z = "z = (measured − theory) / standard error of the measurement"
+MEANING_OF_SCORE = "z: a standard normal variable exceeds it as probably as chance alone exceeds the difference of measurement and theory"
+MEANING_OF_DISTANCE = "z: the difference of measurement and theory in standard errors, as the errors are not normal or averages over time"
 # Units of a model's values by the end of their path.
 UNITS = {"sample_period": "s", "time_headway": "sample periods", "standstill_distance": "m", "vehicle_length": "m", "safe_gap": "m",
          "noise_variance": "m²", "initial_position/mean": "m", "initial_position/variance": "m²",
@@ -45,6 +47,11 @@ def escaped(value: object) -> str:
 
 def number(value: Optional[float], digits: int = 6) -> str:
     return "–" if value is None or not np.isfinite(value) else "{:.{}g}".format(value, digits).replace("-", "\u2212")
+
+
+def hundredths(value: float) -> str:
+    """The value as the program prints a z."""
+    return "{:.2f}".format(value).replace("-", "\u2212") if np.isfinite(value) else "–"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
@@ -131,7 +138,7 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
         of_mean, of_variance, plausible = (number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z"))
         text += "\n<p>Measurement and theory: {}. Over all followers and steps the largest |z| is {} of the mean{}; chance alone exceeds " \
                 "{} at most once in 1000 runs.</p>".format(
-                    MEANING_OF_Z, of_mean, "" if means_only else " and {} of the variance".format(of_variance), plausible)
+                    meaning_of_z(run), of_mean, "" if means_only else " and {} of the variance".format(of_variance), plausible)
     return "\n".join([text, *("<p>{} {}</p>".format(badge("check", "bad"), escaped(problem)) for problem in problems),
                       *(warning("Warning: " + sentence) for sentence in warnings_of(run))])
 
@@ -160,7 +167,36 @@ def what_was_run(run: sp.Results) -> str:
                   ("command", " ".join(map(shlex.quote, of["command_line"])))])
 
 
+def is_normal(run: sp.Results) -> bool:
+    """Whether the program compares the variances as those of independent normal values: its standard errors are theirs, and no measured ones."""
+    count, theory = run.count[:, -1], run.theoretical_variance[:, -1]
+    known = np.isfinite(theory) & (count > 1)
+    of_normal = theory[known] * np.sqrt(2.0 / (count[known] - 1.0))
+    return not run.time_average and bool(np.allclose(run.standard_error_of_variance[known], of_normal, rtol=1e-9, atol=0.0))
+
+
+def meaning_of_z(run: sp.Results) -> str:
+    return MEANING_OF_SCORE if is_normal(run) else MEANING_OF_DISTANCE
+
+
+def score_of_variance(measured: float, theory: float, count: float) -> float:
+    """The z of a variance of normal values, as the program computes it (math/statistics/agreement.hpp), and for scores beyond 36 the same
+    approximation. Without the allowance for rounding, which matters only for a theory near 0."""
+    if not (measured > 0.0 and theory > 0.0 and count > 1.0):
+        return float("nan")
+    freedom, ratio = count - 1.0, measured / theory
+    above = ratio > 1.0
+    tail = float((special.gammaincc if above else special.gammainc)(0.5 * freedom, 0.5 * freedom * ratio))
+    if tail > 1e-290:
+        score = float(-special.ndtri(tail))
+    else:
+        root = np.sqrt(freedom * (ratio - 1.0 - np.log(ratio)))
+        score = float(root + np.log(abs(ratio - 1.0) * np.sqrt(0.5 * freedom) / root) / root)
+    return score if above else -score
+
+
 def numbers(run: sp.Results) -> str:
+    normal = is_normal(run)
     errors, spread = run.errors, run.standard_error_of_variance
     stationary = run.summary["theory"].get("stationary_variance") or [None] * run.followers
     last = int(run.steps[-1])
@@ -168,12 +204,12 @@ def numbers(run: sp.Results) -> str:
     for row in shown_rows(run.followers):
         measured, theory = errors.variance[row, -1], errors.theoretical_variance[row, -1]
         with np.errstate(invalid="ignore", divide="ignore"):
-            apart = (measured - theory) / spread[row]
+            apart = score_of_variance(measured, theory, run.count[row, -1]) if normal else (measured - theory) / spread[row]
         rows.append([str(row + 1), number(errors.mean[row, -1]), number(errors.theoretical_mean[row, -1]), number(measured),
-                     number(spread[row], 2), number(theory), number(apart, 3), number(stationary[row])])
-    return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]", "z of the variance",
-                  "stationary variance, theory [m²]"], rows,
-                 "Tracking errors at {:.6g} s (step {}); {}".format(last * run.sample_period, last, MEANING_OF_Z))
+                     number(spread[row], 2), number(theory), hundredths(apart), number(stationary[row])])
+    return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]",
+                  "z of the variance" if normal else "(variance − theory) / standard error", "stationary variance, theory [m²]"], rows,
+                 "Tracking errors at {:.6g} s (step {}){}".format(last * run.sample_period, last, "; " + MEANING_OF_SCORE if normal else ""))
 
 
 def gap_numbers(run: sp.Results) -> str:
@@ -214,7 +250,7 @@ def overview(runs: Sequence[sp.Results]) -> str:
              str(run.realizations), number(run.max_abs_z, 3), number(run.errors.variance[-1, -1]),
              number(run.errors.theoretical_variance[-1, -1])] for run in runs]
     return table(["run", "verdict", "check", "followers", "realizations", "largest |z|", "variance of the last follower [m²]", "theory [m²]"], rows,
-                 "{}; the largest over all followers and steps, of mean or variance".format(MEANING_OF_Z))
+                 "Largest |z| over all followers and steps, of mean or variance; {}".format("; ".join(dict.fromkeys(map(meaning_of_z, runs)))))
 
 
 def page_of(runs: Sequence[sp.Results], title: str) -> str:
