@@ -103,6 +103,21 @@ class Report(RunTest):
             self.assertGreater(scores[-1], 40.0)
             self.assertTrue((np.diff(scores) > 0.0).all())
 
+    def test_gaps_below_the_safe_gap_and_steps_at_limits_are_on_the_page(self):
+        model = sp.Model.load("acc_limits.yaml")
+        for name, safe_gap, badge in (("near", 200.0, "bad"), ("far", 0.5, "good")):
+            run = sp.monte_carlo(model.replace(safe_gap=safe_gap), followers=2, steps=40, realizations=20, signals=["gap"], output=self.path(name))
+            page = html.unescape(self.page(self.path(name)))
+            below = run.gaps.below_safe_gap
+            self.assertEqual(below.max() > 0, badge == "bad")
+            amount = "{:.0f} of 20 realizations of the follower with the most".format(below.max()) if below.max() else "none of 20 realizations"
+            self.assertIn('<span class="badge {}">gap below {:g} m: in {}</span>'.format(badge, safe_gap, amount), page)
+            self.assertIn('<th class="number">with a gap below {:g} m</th>'.format(safe_gap), page)
+            self.assertIn('<td class="number">{:.0f} of 20</td>'.format(below[1]), page)
+            shares = re.search(r"Share of the steps at the limits.*?</table>", page, re.S).group(0)
+            self.assertIn('<td class="number">{:.3g}</td>'.format(100.0 * run.table("limits")["input_low"][1]), shares)
+            os.remove(self.path("report.html"))
+
     def test_nothing_is_overwritten_and_bad_names_are_rejected(self):
         self.write("report.html", "before")
         for output, reason in (("report.html", "exists and is never overwritten"), ("report.txt", "must end in .html or .pdf"),

@@ -14,6 +14,7 @@ import stochastic_platoon as sp
 from matplotlib.figure import Figure
 from plotting import amplification, files, gaps, style, tracking_errors
 from scipy import special
+from stochastic_platoon.tables import Table
 
 SHOWN_ENDS = 10  # rows of a table at either end of a long string
 LONGEST_VALUE = 160  # characters of a value of the model
@@ -133,6 +134,7 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
     if collisions is not None:
         parts.append(badge("collisions: in {} of {} realizations of the follower with the most".format(*collisions), "bad") if collisions[0]
                      else badge("collisions: in none of {} realizations".format(collisions[1]), "good"))
+        parts += below_safe_gap(run.gaps, run.realizations)
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
     if run.max_abs_z is not None:
         of_mean, of_variance, plausible = (number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z"))
@@ -155,6 +157,16 @@ def collisions_of(run: sp.Results) -> Optional[Tuple[int, int]]:
     return int(run.gaps.collisions.max()), run.realizations
 
 
+def below_safe_gap(of: sp.Gaps, realizations: int) -> List[str]:
+    """The badge of the model's safe_gap; empty without one."""
+    if not np.isfinite(of.below_safe_gap).any():
+        return []
+    most = int(np.nanmax(of.below_safe_gap))
+    name = "gap below {:g} m: in ".format(of.safe_gap)
+    return [badge("{}{} of {} realizations of the follower with the most".format(name, most, realizations), "bad") if most
+            else badge("{}none of {} realizations".format(name, realizations), "good")]
+
+
 def what_was_run(run: sp.Results) -> str:
     of, period = run.summary, run.sample_period
     steps = "endless, averages over time up to step {:.0f}".format(run.steps[-1]) if run.time_average else \
@@ -172,7 +184,7 @@ def is_normal(run: sp.Results) -> bool:
     count, theory = run.count[:, -1], run.theoretical_variance[:, -1]
     known = np.isfinite(theory) & (count > 1)
     of_normal = theory[known] * np.sqrt(2.0 / (count[known] - 1.0))
-    return not run.time_average and bool(np.allclose(run.standard_error_of_variance[known], of_normal, rtol=1e-9, atol=0.0))
+    return bool(known.any() and not run.time_average and np.allclose(run.standard_error_of_variance[known], of_normal, rtol=1e-9, atol=0.0))
 
 
 def meaning_of_z(run: sp.Results) -> str:
@@ -214,11 +226,27 @@ def numbers(run: sp.Results) -> str:
 
 def gap_numbers(run: sp.Results) -> str:
     of = run.gaps
-    rows = [[str(row + 1), number(of.smallest_gap[row]), "{:.0f}".format(of.realization[row]), number(of.step[row] * run.sample_period),
-             "{:.0f} of {:.0f}".format(of.collisions[row], of.count[row]), number(of.theoretical_collision_bound[row], 3)]
-            for row in shown_rows(run.followers)]
-    return table(["follower", "smallest gap [m]", "in realization", "at [s]", "realizations with a collision", "probability, at most, by theory"],
-                 rows, "Gaps over {} realizations".format(run.realizations))
+    head = ["follower", "smallest gap [m]", "in realization", "at [s]", "realizations with a collision"]
+    safe = np.isfinite(of.below_safe_gap).any()
+    if safe:
+        head.append("with a gap below {:g} m".format(of.safe_gap))
+    rows = []
+    for row in shown_rows(run.followers):
+        rows.append([str(row + 1), number(of.smallest_gap[row]), "{:.0f}".format(of.realization[row]), number(of.step[row] * run.sample_period),
+                     "{:.0f} of {:.0f}".format(of.collisions[row], of.count[row])])
+        if safe:
+            rows[-1].append("{:.0f} of {:.0f}".format(of.below_safe_gap[row], of.count[row]))
+        rows[-1].append(number(of.theoretical_collision_bound[row], 3))
+    return table([*head, "probability of a collision, at most, by theory"], rows, "Gaps over {} realizations".format(run.realizations))
+
+
+def limit_numbers(run: sp.Results) -> str:
+    of = Table(run.table("limits"), os.path.join(run.path, "limits.csv"))
+    names = ("input_low", "input_high", "speed_low", "speed_high")
+    columns = [100.0 * of.numbers(name) for name in names]
+    rows = [[str(row + 1), *(number(column[row], 3) for column in columns)] for row in shown_rows(run.followers)]
+    head = ["follower", "input at its lower limit [%]", "at its upper limit [%]", "speed at its lower limit [%]", "at its upper limit [%]"]
+    return table(head, rows, "Share of the steps at the limits, over {} realizations".format(run.realizations))
 
 
 def checksums(run: sp.Results) -> str:
@@ -240,17 +268,20 @@ def section(run: sp.Results, at: int) -> str:
     parts += ["<h3>Numbers</h3>", numbers(run)]
     if collisions_of(run) is not None:
         parts.append(gap_numbers(run))
+    if "limits" in run.summary["crc32"]:
+        parts.append(limit_numbers(run))
     parts += ["<h3>What was run</h3>", what_was_run(run), "<h3>Model</h3>",
               model_of(run), "<h3>Files</h3>", checksums(run)]
     return "\n".join(parts)
 
 
 def overview(runs: Sequence[sp.Results]) -> str:
+    meanings = dict.fromkeys(meaning_of_z(run) for run in runs if run.max_abs_z is not None)
     rows = [[run.name, style.verdict(run.string_stable), "passed" if not sp.check(run.path) else "failed", str(run.followers),
              str(run.realizations), number(run.max_abs_z, 3), number(run.errors.variance[-1, -1]),
              number(run.errors.theoretical_variance[-1, -1])] for run in runs]
     return table(["run", "verdict", "check", "followers", "realizations", "largest |z|", "variance of the last follower [m²]", "theory [m²]"], rows,
-                 "Largest |z| over all followers and steps, of mean or variance; {}".format("; ".join(dict.fromkeys(map(meaning_of_z, runs)))))
+                 "Largest |z| over all followers and steps, of mean or variance{}".format("".join("; " + meaning for meaning in meanings)))
 
 
 def page_of(runs: Sequence[sp.Results], title: str) -> str:
