@@ -122,7 +122,7 @@ class Gaps(GapTest):
         self.assertEqual(len(axes), 3)
         self.assertEqual(axes[0].get_ylim(), axes[1].get_ylim())
         labels = [text.get_text() for text in axes[2].get_legend().get_texts()]
-        for name in ("near: per realization, measured", "near: per realization, upper bound by theory", "far: none in 200: upper limit"):
+        for name in ("near: per realization, measured", "near: per realization, upper bound by theory", "far: no collision in 200: upper limit"):
             self.assertIn(name, labels)
         self.assert_rejects("gaps", *paths, "--analysis", self.make_collisions(), saying=["--analysis: must be one for each of the 2 runs, not 1"])
 
@@ -157,6 +157,16 @@ class Gaps(GapTest):
         self.assertEqual(axes.get_yscale(), "log")
         low, high = axes.get_ylim()
         self.assertTrue(1e-4 / 200 <= low < 4.0 / 204 < high <= 2.0)
+
+    def test_the_legend_and_the_title_name_collisions_and_gaps_below_the_safe_gap(self):
+        axes = plot.gaps.draw([sp.Results.load(self.make_gaps(standstill=50.0, safe_gap=2.0))], [], []).axes[1]
+        labels = [text.get_text() for text in axes.get_legend().get_texts()]
+        self.assertEqual(labels, ["no collision in 200: upper limit", "no gap below 2 m in 200: upper limit"])
+        self.assertIn("probability of a collision or of\na gap below 2 m\n", axes.get_title())
+        axes = plot.gaps.draw([sp.Results.load(self.make_gaps("near", safe_gap=1.0))], [], []).axes[1]
+        labels = [text.get_text() for text in axes.get_legend().get_texts()]
+        self.assertEqual(len(labels), len(set(labels)))
+        self.assertTrue({"collision, measured", "gap below 1 m, measured"} <= set(labels), labels)
 
     def test_gaps_far_above_0_are_drawn_without_the_line_of_collisions(self):
         for standstill, lowest in ((2.0, False), (5000.0, True)):

@@ -72,12 +72,13 @@ def draw(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis], titles: Se
         draw_distances(axes[0, column], top_speed(run))
         looks = LOOKS if len(runs) == 1 else Looks(style.colour(column), style.colour(column), style.colour(column), style.marker(column))
         draw_probabilities(chances, run.gaps, analyses[column] if analyses else None, looks, "" if len(runs) == 1 else name + ": ")
+    of_safe_gap = " or of\na gap below {:g} m".format(runs[0].gaps.safe_gap) if len(runs) == 1 and has_safe_gap(runs[0].gaps) else ""
     share_limits(axes[0, :-1])
     for axis in axes[0, :-1]:
         style.mark_collisions(axis)
     limit_probabilities(chances, min(DEEPEST / realizations_of(run.gaps) for run in runs))
-    chances.set_title(style.column_title(columns - 1, columns, "probability of a collision\nmeasured with $\\pm${} standard errors".format(
-        style.SHOWN_ERRORS)))
+    chances.set_title(style.column_title(columns - 1, columns, "probability of a collision{}\nmeasured with $\\pm${} standard errors".format(
+        of_safe_gap, style.SHOWN_ERRORS)))
     for axis, following in zip(axes[0], [*axes[0, 1:], None]):
         style.follower_axis(axis, max(run.followers for run in runs))
         # Panels below each other with the same entries share the legend below the last of them.
@@ -196,13 +197,15 @@ def draw_probabilities(axes: Axes, gaps: sp.Gaps, analysis: Optional[sp.Analysis
     followers = np.arange(1, gaps.count.size + 1)
     dots = "." if followers.size <= SPARSE else ""
     lowest = DEEPEST / realizations_of(gaps)
-    draw_shares(axes, gaps, gaps.collisions, looks.measured, looks.marker, "per realization, measured", of)
+    safe = not of and has_safe_gap(gaps)
+    draw_shares(axes, gaps, gaps.collisions, looks.measured, looks.marker, "collision" if safe else "per realization", "no collision", of)
     bound = gaps.theoretical_collision_bound
     if (bound >= lowest).any():
         axes.plot(followers, visible(np.minimum(bound, 1.0)), color=looks.bound, linewidth=1.3, marker=dots,
                   label=of + "per realization, upper bound by theory")
-    if not of and np.isfinite(gaps.below_safe_gap).any():
-        draw_shares(axes, gaps, gaps.below_safe_gap, SAFE, "s", "gap below {:g} m, measured".format(gaps.safe_gap))
+    if safe:
+        event = "gap below {:g} m".format(gaps.safe_gap)
+        draw_shares(axes, gaps, gaps.below_safe_gap, SAFE, "s", event, "no " + event)
     if analysis is not None:
         probability, limit = analysis.numbers("collision.probability"), analysis.number("collision.limit_probability")
         if (probability >= lowest).any():
@@ -211,6 +214,10 @@ def draw_probabilities(axes: Axes, gaps: sp.Gaps, analysis: Optional[sp.Analysis
         if limit >= lowest:
             axes.axhline(limit, color=looks.per_step, linewidth=1.0, linestyle=style.DASHED,
                          label=of + "per step, endless string: {:.3g}".format(limit))
+
+
+def has_safe_gap(gaps: sp.Gaps) -> bool:
+    return bool(np.isfinite(gaps.below_safe_gap).any())
 
 
 def limit_probabilities(axes: Axes, lowest: float) -> None:
@@ -226,15 +233,16 @@ def visible(probability: Array) -> Array:
     return np.where(probability > 0.0, probability, np.nan)
 
 
-def draw_shares(axes: Axes, gaps: sp.Gaps, events: Array, colour: str, marker: str, label: str, of: str = "") -> None:
-    """Draws the share of the realizations per follower; a triangle is the upper end of the interval where there is no event. `of` begins the label."""
+def draw_shares(axes: Axes, gaps: sp.Gaps, events: Array, colour: str, marker: str, event: str, none: str, of: str = "") -> None:
+    """Draws the share of the realizations per follower; a triangle is the upper end of the interval where there is no event. `of` begins the labels,
+    which name the event and its absence."""
     at = style.thinned(gaps.count.size, style.MANY)
     low, high = interval(events[at], gaps.count[at])
     seen = events[at] > 0
     share = events[at] / gaps.count[at]
     if seen.any():
         axes.errorbar(at[seen] + 1, share[seen], yerr=[(share - low)[seen], (high - share)[seen]], fmt=marker, color=colour,
-                      markerfacecolor="white", label=of + label, zorder=3, **style.POINTS)
+                      markerfacecolor="white", label=of + event + ", measured", zorder=3, **style.POINTS)
     if not seen.all():
         axes.plot(at[~seen] + 1, high[~seen], "v", color=colour, markerfacecolor="none", markersize=5, alpha=0.7,
-                  label=of + "none in {}: upper limit".format(style.spaced(realizations_of(gaps))))
+                  label=of + "{} in {}: upper limit".format(none, style.spaced(realizations_of(gaps))))
