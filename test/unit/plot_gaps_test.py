@@ -168,6 +168,13 @@ class Gaps(GapTest):
         self.assertEqual(len(labels), len(set(labels)))
         self.assertTrue({"collision, measured", "gap below 1 m, measured"} <= set(labels), labels)
 
+    def test_the_axis_has_room_for_the_mark_of_the_smallest_gap(self):
+        for standstill in (2.0, 20.0, 5000.0):
+            run = sp.Results.load(self.make_gaps("at-{:g}".format(standstill), standstill=standstill))
+            axes = plot.gaps.draw([run], [], []).axes[0]
+            low, high = axes.get_ylim()
+            self.assertGreater(run.gaps.smallest_gap.min() - low, 0.04 * (high - low), standstill)
+
     def test_gaps_far_above_0_are_drawn_without_the_line_of_collisions(self):
         for standstill, lowest in ((2.0, False), (5000.0, True)):
             run = sp.Results.load(self.make_gaps("at-{:g}".format(standstill), standstill=standstill))

@@ -17,6 +17,7 @@ SAFE = style.PALETTE[2]
 BAR = 0.72  # width of a bar
 WIDE_LINE = 72  # characters per line of a title
 SPARSE = 10  # a curve with at most this many points has a dot on each
+ROOM = 0.05  # below the smallest gap, of the axis
 DEEPEST = 1e-4  # the axis of probabilities reaches this far below one realization
 
 
@@ -73,7 +74,7 @@ def draw(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis], titles: Se
         looks = LOOKS if len(runs) == 1 else Looks(style.colour(column), style.colour(column), style.colour(column), style.marker(column))
         draw_probabilities(chances, run.gaps, analyses[column] if analyses else None, looks, "" if len(runs) == 1 else name + ": ")
     of_safe_gap = " or of\na gap below {:g} m".format(runs[0].gaps.safe_gap) if len(runs) == 1 and has_safe_gap(runs[0].gaps) else ""
-    share_limits(axes[0, :-1])
+    share_limits(axes[0, :-1], min(run.gaps.smallest_gap.min() for run in runs))
     for axis in axes[0, :-1]:
         style.mark_collisions(axis)
     limit_probabilities(chances, min(DEEPEST / realizations_of(run.gaps) for run in runs))
@@ -103,9 +104,10 @@ class Looks(NamedTuple):
 LOOKS = Looks(style.PALETTE[0], style.BOUND, style.PALETTE[3], "o")
 
 
-def share_limits(panels: style.AxesGrid) -> None:
-    """The same vertical axis in all panels."""
+def share_limits(panels: style.AxesGrid, smallest: float) -> None:
+    """The same vertical axis in all panels, with room for the marks at the smallest gap: the axis of bars ends at the lowest one."""
     low, high = (pick(axis.get_ylim()[end] for axis in panels) for end, pick in ((0, min), (1, max)))
+    low = min(low, smallest - ROOM * (high - low))
     for axis in panels:
         axis.set_ylim(low, high)
 
