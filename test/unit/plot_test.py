@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of src/tools/plot on small files: every figure, its numbers, and sweeps."""
+"""Tests of src/tools/plot on small files: every figure but the map, its numbers, and sweeps."""
 
 import os
 import shutil
@@ -49,47 +49,12 @@ class Figures(PlotTest):
         self.assert_draws("string", self.path("a.json"), self.make_analysis("b.json", limit_variance=None),
                           "--run", self.make_run(), self.make_average())
 
-    def test_map_over_losses_is_drawn(self):
-        rows = ["headway,gain,loss,spectral_radius,peak_gain,loss_gain,string_stable"]
-        for loss in (0.0, 0.1, 0.3):
-            for headway in (2.0, 2.6, 3.2):
-                rows.append("{},1.35,{},0.5,{},{},{}".format(headway, loss, 1.0 + loss, "nan" if loss > 0.2 else loss,
-                                                             int(loss < 0.2)))
-        path = self.write("\n".join(rows) + "\n", "losses.csv")
-        stability = sp.StabilityMap.load(path)
-        self.assertEqual((stability.over, stability.up), ("headway", "loss"))
-        self.assertEqual(stability.ys.tolist(), [0.0, 0.1, 0.3])
-        self.assert_draws("map", path)
-
-    def test_map_over_losses_and_bursts_is_drawn(self):
-        rows = ["headway,gain,loss,mean_burst,spectral_radius,peak_gain,loss_gain,string_stable"]
-        for loss in (0.1, 0.4, 0.6):
-            for burst in (1.0, 1.5, 2.0, 4.0):
-                exists = burst >= loss / (1.0 - loss)
-                rows.append("3.2,1.35,{},{},{}".format(loss, burst, "0.5,1,{},{}".format(loss * burst, int(loss * burst < 1)) if exists else ",,,"))
-        path = self.write("\n".join(rows) + "\n", "bursts.csv")
-        stability = sp.StabilityMap.load(path)
-        self.assertEqual((stability.over, stability.up), ("loss", "mean_burst"))
-        self.assertEqual(stability.loss_gain[:, 0].tolist(), [0.1, 0.15000000000000002, 0.2, 0.4])
-        self.assertTrue(np.isnan(stability.spectral_radius[0, 2]))
-        self.assert_draws("map", path)
-
     def test_a_run_without_theory_is_drawn(self):
         rows = ["{},{},100,0.01,{},,".format(i, k, 1.0 + i) for i in (1, 2, 3) for k in range(3)]
         run = self.make_run("bursts", rows=rows)
         self.assert_draws("errors", run)
         for path, labels in ((run, ["measured"]), (self.make_run(), ["measured", "theory"])):
             legend = plot.tracking_errors.draw([sp.Results.load(path)], []).axes[1].get_legend()
-            self.assertEqual([text.get_text() for text in legend.get_texts()], labels)
-
-    def test_map_is_drawn(self):
-        self.assert_draws("map", self.make_map())
-
-    def test_the_legend_of_a_map_names_what_is_drawn(self):
-        for given, labels in (({}, ["string stability border", "the paper's example"]), ({"gains": (1.0, 1.2)}, ["string stability border"]),
-                              ({"gains": (0.5, 0.6)}, [])):
-            path = self.make_map(radius=lambda headway, gain: 0.6, **given)
-            legend = plot.stability_map.draw(sp.StabilityMap.load(path)).axes[0].get_legend()
             self.assertEqual([text.get_text() for text in legend.get_texts()], labels)
 
     def test_huge_and_infinite_values_are_drawn(self):
@@ -216,12 +181,6 @@ class Numbers(PlotTest):
         line, = figure.axes[1].lines
         np.testing.assert_allclose(line.get_xdata(), [0.2, 0.3, 0.4])
         np.testing.assert_array_equal(line.get_ydata(), [np.nan, 5.0, 4.0])
-
-    def test_the_border_of_the_map_keeps_its_ends_and_moves_less_than_a_cell(self):
-        stairs = np.array([[k // 2 + k % 2, k // 2] for k in range(41)], dtype=float)
-        line = plot.stability_map.smoothed(stairs)
-        np.testing.assert_array_equal(line[[0, -1]], stairs[[0, -1]])
-        self.assertLess(np.abs(line - stairs).max(), 1.0)
 
 
 SWEEP = ("point,loss,headway,vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,"

@@ -22,6 +22,7 @@ from plotting.values import Array, drawable, require_some
 PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
 PAPER_RADII = (0.5274, 0.6546)
 BORDER = style.PALETTE[0]
+REACH = 0.4  # of the border around the middle of two points of the grid, in their distances
 HIGHEST_PEAK = 10.0  # higher peaks share the last colour
 HIGHEST_LOSS_GAIN = 2.0
 LABELS = {"headway": "time headway $h$ [sample periods]", "gain": "controller gain", "loss": "loss probability $q$",
@@ -59,7 +60,7 @@ def draw(given: sp.StabilityMap) -> Figure:
             axes.contourf(stability.xs, stability.ys, region.astype(float), levels=[0.5, 1.5], colors="white", hatches=[hatch])
             entries.append(hatched(hatch, label))
     if draw_border(axes, stability):
-        entries.insert(0, style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border"))
+        entries.insert(0, style.legend_entry(color=BORDER, linewidth=1.8, label="string stability border, between grid points"))
     if stability.up == "gain":
         entries += mark_paper_points(axes, stability)
     axes.set_xlim(stability.xs[0], stability.xs[-1])
@@ -102,22 +103,35 @@ def draw_border(axes: Axes, stability: sp.StabilityMap) -> bool:
     """Returns whether the map has a border."""
     if stability.string_stable.min() > 0.5 or stability.string_stable.max() < 0.5:
         return False
-    contour = axes.contour(stability.xs, stability.ys, stability.string_stable, levels=[0.5], linewidths=0.0)
-    for line in contour.allsegs[0]:
-        axes.plot(*smoothed(line).T, color=BORDER, linewidth=1.8)
-    return bool(contour.allsegs[0])
+    lines = border_lines(stability)
+    for line in lines:
+        axes.plot(*line.T, color=BORDER, linewidth=1.8)
+    return bool(lines)
+
+
+def border_lines(stability: sp.StabilityMap) -> List[Array]:
+    """Lines that separate the points of the grid judged string stable from those that are not. Where between two points the verdict changes
+    is not known."""
+    rows, columns = stability.string_stable.shape
+    contour = Figure().subplots().contour(np.arange(columns), np.arange(rows), stability.string_stable, levels=[0.5], corner_mask=False)
+    lines = [smoothed(np.array(line)) for line in contour.allsegs[0] if len(line) > 0]
+    return [np.column_stack([np.interp(line[:, at], np.arange(of.size), of) for at, of in enumerate((stability.xs, stability.ys))])
+            for line in lines]
 
 
 def smoothed(line: Array) -> Array:
-    """A contour line of a grid without its staircase: points move by less than a cell, the ends stay."""
+    """A contour line of a grid with unit distances without its staircase. Each point is half way between two points of the grid with
+    different verdicts, and moves between them only, so that the line still has each on its side; the ends stay."""
+    movable = np.abs(line - np.round(line)) > 0.25
+    low, high = np.where(movable, line - REACH, line), np.where(movable, line + REACH, line)
     closed = len(line) > 2 and np.array_equal(line[0], line[-1])
     for _ in range(min(30, len(line) // 4)):
         if closed:
             ring = line[:-1]
-            ring = 0.5 * ring + 0.25 * (np.roll(ring, 1, axis=0) + np.roll(ring, -1, axis=0))
+            ring = np.clip(0.5 * ring + 0.25 * (np.roll(ring, 1, axis=0) + np.roll(ring, -1, axis=0)), low[:-1], high[:-1])
             line = np.vstack((ring, ring[:1]))
         else:
-            line = np.vstack((line[:1], 0.5 * line[1:-1] + 0.25 * (line[:-2] + line[2:]), line[-1:]))
+            line = np.vstack((line[:1], np.clip(0.5 * line[1:-1] + 0.25 * (line[:-2] + line[2:]), low[1:-1], high[1:-1]), line[-1:]))
     return line
 
 
