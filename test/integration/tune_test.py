@@ -192,6 +192,9 @@ class Program(FolderTest):
         with open(document) as file:
             self.assertEqual(json.load(file)["limit_variance"], found["goal"])
         self.assertIn("has results already", self.tune(self.SMALL, "--output", self.path("one")).stderr)
+        done = self.tune(self.SMALL, "--output", self.path("one/model.yaml/x"))  # before the search, which would print its result
+        self.assertEqual(done.stdout, "")
+        self.assertRegex(done.stderr, "^tune: --output: .*/x: must be a folder that can be written: .*/model.yaml: Not a directory\n$")
 
     def test_bad_input_is_named(self):
         for text, message in (
