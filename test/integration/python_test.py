@@ -160,6 +160,15 @@ class Theory(ModuleTest):
         self.assertRaisesText(ValueError, "gap, speed, acceleration, jerk", sp.analyze, model, signals=["sped"])
         self.assertRaisesText(FileNotFoundError, "none.json", sp.Analysis.load, self.path("none.json"))
 
+    def test_other_files_than_analyses_are_rejected(self):
+        sp.monte_carlo(sp.Model.load(), followers=1, steps=2, realizations=2, output=self.path("run"))
+        self.write("tune.json", '{"minimise": "limit_variance", "goal": 1.0}')
+        for name in ("run/summary.json", "tune.json"):
+            self.assertRaisesText(ValueError, name + ": spectral_radius is missing: must be a file that analyze --json wrote", sp.Analysis.load,
+                                  self.path(name))
+        program("analyze", model="acc_limits.yaml", json=self.path("limits.json"))
+        self.assertIn("limits", sp.Analysis.load(self.path("limits.json")).reason)
+
     def test_a_map_is_that_of_the_tool(self):
         program("analyze", sweep_headway="2:4:5", sweep_gain="1:1.5:3", csv=self.path("map.csv"))
         loaded = sp.StabilityMap.load(self.path("map.csv"))

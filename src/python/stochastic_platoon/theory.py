@@ -30,11 +30,15 @@ class Analysis(Mapping[str, Any]):
 
     @classmethod
     def load(cls, path: PathLike) -> Analysis:
-        """The file that `analyze --json` wrote. Raises FileNotFoundError, and ValueError if it is not JSON."""
+        """The file that `analyze --json` wrote. Raises FileNotFoundError, and ValueError if it is another file."""
         file = os.fspath(path)
         if os.path.isdir(file):
             raise ValueError("{}: must be a file that analyze --json wrote, not a folder".format(file))
-        return cls(_platoon.read_json(file), file)
+        document = _platoon.read_json(file)
+        # Of cars without a theory only the reason is known.
+        if "spectral_radius" not in document and document.get("theory") != "none":
+            raise ValueError("{}: spectral_radius is missing: must be a file that analyze --json wrote".format(file))
+        return cls(document, file)
 
     @property
     def name(self) -> str:
