@@ -118,6 +118,16 @@ class Report(RunTest):
             self.assertIn('<td class="number">{:.3g}</td>'.format(100.0 * run.table("limits")["input_low"][1]), shares)
             os.remove(self.path("report.html"))
 
+    def test_runs_in_folders_of_one_name_have_the_end_of_their_path_that_tells_them_apart(self):
+        folders = [self.path("a", "run"), self.path("b", "run"), self.path("b", "other")]
+        for folder in folders:
+            shutil.copytree(self.run_folder, folder)
+        page = self.page(*folders)
+        self.assertEqual(re.findall("<h2>(.*)</h2>", page), ["1. a/run", "2. b/run", "3. other"])
+        self.assertEqual(re.findall("<tr><td>(.*?)</td>", page)[:3], ["a/run", "b/run", "other"])
+        runs = [sp.Results.load(folder) for folder in (folders[0], folders[0])]
+        self.assertEqual(report_page.names_of(runs), ["run", "run"])
+
     def test_nothing_is_overwritten_and_bad_names_are_rejected(self):
         self.write("report.html", "before")
         for output, reason in (("report.html", "exists and is never overwritten"), ("report.txt", "must end in .html or .pdf"),

@@ -258,8 +258,15 @@ def checksums(run: sp.Results) -> str:
         "\n".join("<tr><td>{}</td><td><code>{}</code></td><td><code>{}</code></td></tr>".format(*row) for row in rows))
 
 
-def section(run: sp.Results, at: int) -> str:
-    parts = ["<h2>{}. {}</h2>".format(at, escaped(run.name)), verdict(run, sp.check(run.path)), "<h3>Figures</h3>",
+def names_of(runs: Sequence[sp.Results]) -> List[str]:
+    """Of each run the shortest end of its path that no other one has."""
+    paths = [os.path.abspath(run.path).split(os.sep) for run in runs]
+    lengths = [next(n for n in range(1, len(own) + 1) if all(path == own or path[-n:] != own[-n:] for path in paths)) for own in paths]
+    return ["/".join(own[-length:]) for own, length in zip(paths, lengths)]
+
+
+def section(run: sp.Results, name: str, at: int) -> str:
+    parts = ["<h2>{}. {}</h2>".format(at, escaped(name)), verdict(run, sp.check(run.path)), "<h3>Figures</h3>",
              figure(lambda: tracking_errors.draw([run], []), "mean and variance of the tracking errors")]
     if collisions_of(run) is not None:
         parts.append(figure(lambda: gaps.draw([run], [], []), "smallest gaps and collisions"))
@@ -277,9 +284,9 @@ def section(run: sp.Results, at: int) -> str:
 
 def overview(runs: Sequence[sp.Results]) -> str:
     meanings = dict.fromkeys(meaning_of_z(run) for run in runs if run.max_abs_z is not None)
-    rows = [[run.name, style.verdict(run.string_stable), "passed" if not sp.check(run.path) else "failed", str(run.followers),
+    rows = [[name, style.verdict(run.string_stable), "passed" if not sp.check(run.path) else "failed", str(run.followers),
              str(run.realizations), number(run.max_abs_z, 3), number(run.errors.variance[-1, -1]),
-             number(run.errors.theoretical_variance[-1, -1])] for run in runs]
+             number(run.errors.theoretical_variance[-1, -1])] for run, name in zip(runs, names_of(runs))]
     return table(["run", "verdict", "check", "followers", "realizations", "largest |z|", "variance of the last follower [m²]", "theory [m²]"], rows,
                  "Largest |z| over all followers and steps, of mean or variance{}".format("".join("; " + meaning for meaning in meanings)))
 
@@ -289,5 +296,5 @@ def page_of(runs: Sequence[sp.Results], title: str) -> str:
            '<tr><th>checked by</th><td></td><th>date</th><td></td></tr></table>'
     head = '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n'
     text = "\n".join([head.format(escaped(title), STYLE), "<p>stochastic_platoon {}. Figures: colours measured, thin lines theory.</p>".format(
-        sp.__version__), overview(runs), sign, *(section(run, at) for at, run in enumerate(runs, 1)), "</body>\n</html>\n"])
+        sp.__version__), overview(runs), sign, *map(section, runs, names_of(runs), range(1, len(runs) + 1)), "</body>\n</html>\n"])
     return re.sub(r"[ \t]+\n", "\n", text)
