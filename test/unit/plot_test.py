@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Tests of src/tools/plot on small files: every figure but the map, its numbers, and sweeps."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -48,6 +49,17 @@ class Figures(PlotTest):
         self.assert_draws("string", self.make_analysis("a.json"))
         self.assert_draws("string", self.path("a.json"), self.make_analysis("b.json", limit_variance=None),
                           "--run", self.make_run(), self.make_average())
+
+    def test_gain_and_string_of_cars_with_limits_are_those_of_the_same_cars_without_them(self):
+        with open(self.make_analysis()) as file:
+            linear = json.load(file)
+        path = self.write(json.dumps({"theory": "none", "reason": "none, as vehicles have limits", "linear": linear}), "limits.json")
+        self.assert_draws("gain", path)
+        self.assert_draws("string", path)
+        axes = plot.string_variance.draw(plot.linear_analyses_of([path]), [], []).axes[0]
+        self.assertEqual([text.get_text().split(": ")[0] for text in axes.get_legend().get_texts()], 2 * ["limits, the same cars without limits"])
+        np.testing.assert_array_equal(axes.lines[0].get_ydata(), linear["stationary_variance"])
+        self.assert_rejects("string", path, "--run", self.make_run(), saying=["stationary_variance is missing; theory: none"])
 
     def test_a_run_without_theory_is_drawn(self):
         rows = ["{},{},100,0.01,{},,".format(i, k, 1.0 + i) for i in (1, 2, 3) for k in range(3)]
