@@ -138,7 +138,7 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
     if run.max_abs_z is not None:
         of_mean, of_variance, plausible = (number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z"))
-        text += "\n<p>Measurement and theory: {}. Over all followers and steps the largest |z| is {} of the mean{}; chance alone exceeds " \
+        text += "\n<p>{}. Over all followers and steps the largest |z| is {} of the mean{}; chance alone exceeds " \
                 "{} at most once in 1000 runs.</p>".format(
                     meaning_of_z(run), of_mean, "" if means_only else " and {} of the variance".format(of_variance), plausible)
     return "\n".join([text, *("<p>{} {}</p>".format(badge("check", "bad"), escaped(problem)) for problem in problems),
