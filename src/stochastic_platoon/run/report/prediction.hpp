@@ -35,8 +35,8 @@ struct Prediction {
   /// [m], one per cell, at least that of rounding_bounds(). Over time: what the burn-in leaves of the start, where the
   /// theory has no variance, and 0 elsewhere.
   std::vector<double> rounding = {};
-  /// [m^4], one per cell: see linked_error_moments(); infinite where it is unknown and the variance is not judged. Empty
-  /// over time, without losses, and for losses in bursts.
+  /// [m^4], one per cell: see linked_error_moments(); infinite where it is unknown and the variance is not judged.
+  /// Empty over time, without losses, and for losses in bursts.
   std::vector<double> fourth_cumulant = {};
   std::size_t remainders = 0;  ///< cells of unknown fourth cumulant
   std::size_t followers_with_theory = 0;

@@ -163,8 +163,8 @@ TEST(Merge, NamesFoldersWithoutAShard) {
   folders.push_back(folder / "none");
   folders.push_back(run.path());
   EXPECT_EQ(rejection(folders), "2 errors:\n  " + (folder / "none") +
-                                    ": holds no shard: must be the output of monte_carlo --shard or rare --shard\n  " + run.path() +
-                                    ": holds a run of 496 realizations and no shard");
+                                    ": holds no shard: must be the output of monte_carlo --shard or rare --shard\n  " +
+                                    run.path() + ": holds a run of 496 realizations and no shard");
 }
 
 TEST(Merge, NamesTheFirstOfManyProblems) {
