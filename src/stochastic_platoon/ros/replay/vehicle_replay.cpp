@@ -65,7 +65,7 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
       vehicle_(vehicle),
       credit_(limits_of(configuration.run)),
       publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
-      notice_senders_(platoon),
+      notice_senders_(platoon, configuration.model),
       counter_(platoon.resolveName(position_topic(vehicle)), external ? name_ : "") {
   if (vehicle < 1 || vehicle > configuration.run.followers) {
     throw std::invalid_argument("vehicle: " + std::to_string(vehicle) +
