@@ -104,6 +104,23 @@ class OddModels(ModuleTest):
         self.assertTrue(0.0 < missing[299] < 0.6 * missing[149], missing[[149, 299]])
         self.assertLess(missing[299], 1e-3)
 
+    def test_cars_can_be_sampled_at_a_kilohertz(self):
+        ploeg = sp.Model.load("ploeg_plexe.yaml").replace(sample_period=0.001)
+        found = sp.analyze(ploeg, followers=2, steps=5)
+        self.assertTrue(found.string_stable)
+        self.assertAlmostEqual(found["critical_delay"], 0.0689, places=4)
+        run = sp.monte_carlo(ploeg, followers=2, steps=300, realizations=2000)
+        self.assertLess(run.max_abs_z, run.summary["agreement"]["plausible_z"])
+        car = sp.Model.load("acc.yaml").replace({"sample_period": 0.002, "noise_variance": 0.1})
+        run = sp.monte_carlo(car, followers=3, steps=2000, realizations=1000)
+        self.assertLess(run.max_abs_z, run.summary["agreement"]["plausible_z"])
+
+    def test_a_string_that_hears_several_has_a_gain_of_1_at_frequency_0(self):
+        for name in ("path_cacc.yaml", "flatbed.yaml"):
+            found = sp.analyze(sp.Model.load(name), followers=2, steps=5)
+            self.assertEqual((found["peak_gain"], found["peak_frequency"]), (1.0, 0.0), name)
+        self.assertAlmostEqual(sp.analyze(sp.Model.load("consensus.yaml"), followers=2, steps=5)["peak_gain"], 0.914893617, places=9)
+
     def test_a_type_is_judged_at_the_places_where_it_stands(self):
         inputs = [{"signal": "position", "noise_variance": 0.02}, {"signal": "speed", "gain": 0.1, "noise_variance": 0.01}]
         behind = {"controller": {"kp": 0.2, "kd": 0.0}, "time_headway": 3, "inputs": [{"signal": "position", "from": 2, "noise_variance": 0.02}]}
@@ -158,7 +175,7 @@ class OddModels(ModuleTest):
         np.testing.assert_array_equal(found[0]["collision"]["required_standstill_distances"], found[1]["collision"]["required_standstill_distances"])
         self.assertIsNotNone(sp.monte_carlo(bursts, followers=3, steps=3000, realizations=2).string_stable)
         # The mean burst counts where the probability is varied.
-        self.assertNotAlmostEqual(found[0]["critical_loss"], found[1]["critical_loss"])
+        self.assertNotAlmostEqual(found[0]["critical_loss_probability"], found[1]["critical_loss_probability"])
 
     def test_losses_next_to_a_half_have_a_critical_mean_burst(self):
         half = sp.analyze(PAPER.replace(loss=0.5), followers=2, steps=5)["critical_mean_burst"]

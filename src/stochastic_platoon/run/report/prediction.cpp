@@ -30,7 +30,7 @@ constexpr char kNoFourthMoments[] =
 // variance: that is a product of random factors, which few realizations carry, so that its fourth moment is unknown.
 std::size_t void_remainders(const PlatoonModel& model, const RunOptions& run, const std::vector<double>& variance,
                             std::vector<double>& fourth_cumulant) {
-  constexpr double kDecayed = 0.1, kShare = 0.02;
+  constexpr double kDecayed = 0.3, kShare = 0.02;
   PlatoonModel quiet = model;
   quiet.leader = LeaderProfile({}, model.sample_period);
   quiet.recorded_leader.clear();
