@@ -175,7 +175,40 @@ class OddModels(ModuleTest):
         np.testing.assert_array_equal(found[0]["collision"]["required_standstill_distances"], found[1]["collision"]["required_standstill_distances"])
         self.assertIsNotNone(sp.monte_carlo(bursts, followers=3, steps=3000, realizations=2).string_stable)
         # The mean burst counts where the probability is varied.
-        self.assertNotAlmostEqual(found[0]["critical_loss_probability"], found[1]["critical_loss_probability"])
+        self.assertEqual([np.array(of["stable_loss_probabilities"]).tolist() for of in found], [[[0.0, 0.8]], [[0.0, 0.99]]])
+
+    def test_a_leader_beyond_the_limits_of_its_vehicle_gives_a_warning(self):
+        limited = sp.Model.load("acc_limits.yaml")  # speed from 0 to 40 m/s, input from -6 to 3 m/s^2
+        beyond = "beyond the limits of the vehicle"
+        for drive, expected in (([20.0, 20.0, 50.0, 50.0], "leader: speed from 20 to 50 m/s: {}, 0 to 40 m/s".format(beyond)),
+                                ([5.0, 0.0, -10.0, -10.0], "leader: speed from -10 to 5 m/s: {}, 0 to 40 m/s".format(beyond)),
+                                ([30.0, 22.0, 14.0], "leader: acceleration from -8 to 0 m/s^2: {}, -6 to 3 m/s^2".format(beyond))):
+            drive = drive[:1] * 10 + drive
+            table = self.write("drive.csv", "time,speed\n" + "".join("{},{}\n".format(second, speed) for second, speed in enumerate(drive)))
+            warnings = sp.analyze(limited.replace(leader={"file": table}), followers=1, steps=5)["warnings"]
+            self.assertIn(expected, warnings)
+        self.assertNotIn(beyond, str(sp.analyze(limited, followers=1, steps=5)["warnings"]))
+        back = sp.analyze(PAPER.replace(leader={"speed": [{"from_step": 0, "value": -5.0}]}), followers=1, steps=5)["warnings"]
+        self.assertIn("leader: speed of -5 m/s: the car reverses", back)
+
+    def test_a_short_drive_and_the_linear_cars_of_a_long_one_have_the_steps_they_can_have(self):
+        table = self.write("nine.csv", "time,speed\n" + "".join("{},20\n".format(second) for second in range(10)))
+        self.assertEqual(sp.monte_carlo(sp.Model.load("cacc.yaml").replace(leader={"file": table}), followers=1, realizations=2).summary["steps"], 91)
+        printed = program("analyze", model="cacc_truck.yaml", loss=0.2, mean_burst=5, leader="city.csv", followers=2)
+        self.assertIn("The same cars without limits (linear)", printed)
+        self.assertIn("must be at most", program("analyze", fails=True, model="cacc_truck.yaml", loss=0.2, mean_burst=5, leader="city.csv",
+                                                 followers=20, steps=4401))
+
+    def test_analyze_replaces_an_earlier_analysis_and_no_other_file(self):
+        model, analysis, table = self.saved(PAPER), self.path("analysis.json"), self.path("map.csv")
+        sweep = {"sweep_headway": "3:4:2", "sweep_gain": "1:2:2"}
+        for _ in range(2):
+            program("analyze", model=model, json=analysis, csv=table, followers=2, steps=5, **sweep)
+        for options in ({"json": model}, {"json": table}, {"csv": analysis}, {"csv": model}):
+            printed = program("analyze", fails=True, followers=2, steps=5, **dict(sweep, **options))
+            name, file = next(iter(options.items()))
+            self.assertIn("{}: {}: exists and is no earlier {}: must be another file".format(name, file, "analysis" if name == "json" else "map"), printed)
+        sp.Model.load(model)
 
     def test_losses_next_to_a_half_have_a_critical_mean_burst(self):
         half = sp.analyze(PAPER.replace(loss=0.5), followers=2, steps=5)["critical_mean_burst"]

@@ -21,9 +21,9 @@ constexpr std::size_t kMostTheory = 100'000;                       // of the the
 constexpr std::size_t kMostLossyTheory = 2'000;                    // the same where links lose
 constexpr double kShareOfTime = 0.003;                             // of half a minute, of chain_moments()
 
-/// The speeds that the leader is given, and the accelerations of a recorded drive; 0 is among both.
+/// The speeds that the leader is given, and the accelerations of a recorded drive.
 struct LeaderMotion {
-  Interval speed{0.0, 0.0}, acceleration{0.0, 0.0};
+  Interval speed{kInfinity, -kInfinity}, acceleration{kInfinity, -kInfinity};
 
   explicit LeaderMotion(const PlatoonModel& model) {
     const auto take = [](Interval& range, double value) {
