@@ -191,6 +191,16 @@ class OddModels(ModuleTest):
         back = sp.analyze(PAPER.replace(leader={"speed": [{"from_step": 0, "value": -5.0}]}), followers=1, steps=5)["warnings"]
         self.assertIn("leader: speed of -5 m/s: the car reverses", back)
 
+    def test_the_shares_of_unlike_vehicles_are_all_printed(self):
+        """A third of the variance of follower 2 comes from the radio of follower 1, though it has none itself."""
+        radar = {"signal": "position", "noise_variance": 0.01}
+        radio = {"inputs": [radar, {"signal": "input", "gain": 1.0, "noise_variance": 2.0, "channel": {"delay": 1}}]}
+        model = sp.Model.load("cacc.yaml").replace(inputs=[radar], vehicle_types={"radio": radio}, string=["radio", "default"])
+        report = sp.analyze(model, followers=2, steps=5).report
+        whole = float(re.search(r"(\S+) m\^2 of follower 2", report)[1])
+        shares = re.search(r"of which radar (\S+) m\^2, radio (\S+) m\^2 \(follower 2\)", report)
+        self.assertAlmostEqual(sum(map(float, shares.groups())), whole, delta=1e-5 * whole)
+
     def test_a_short_drive_and_the_linear_cars_of_a_long_one_have_the_steps_they_can_have(self):
         table = self.write("half.csv", "time,speed\n0,20\n0.5,20\n")
         self.assertEqual(sp.monte_carlo(sp.Model.load("cacc.yaml").replace(leader={"file": table}), followers=1, realizations=2).summary["steps"], 51)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
@@ -94,11 +95,17 @@ std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
 }
 
 /// "h = 0.8 s (8 sample periods), hears position of vehicle i-1 (0.6), position of vehicle i-2 (0.4)".
-std::string shares_line(const VehicleModel& last, const std::vector<std::vector<double>>& shares) {
+std::string shares_line(const PlatoonModel& model, const std::vector<std::vector<double>>& shares) {
   if (shares.empty()) return "";
+  const std::vector<VehicleModel> vehicles = pattern(model);
   std::string text = "of which ";
-  for (std::size_t n = 0; n < last.inputs.size(); ++n) {
-    const std::string name = last.hears_predecessor_only() ? (n == 0 ? "radar" : "radio") : text_of(last.inputs[n]);
+  for (std::size_t n = 0; n < shares.back().size(); ++n) {
+    std::set<std::string> names;  // a share is the sum over all vehicles ahead
+    for (const VehicleModel& of : vehicles) {
+      if (n >= of.inputs.size()) continue;
+      names.insert(of.hears_predecessor_only() ? (n == 0 ? "radar" : "radio") : text_of(of.inputs[n]));
+    }
+    const std::string name = names.size() == 1 ? *names.begin() : "input " + std::to_string(n);
     text += (n > 0 ? ", " : "") + name + " " + figure(shares.back()[n], "m^2");
   }
   return text + formatted(" (follower %zu)\n", shares.size());
@@ -161,7 +168,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
           figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
           figure(stability.limit_variance, "m^2") + "\n";
-  text += shares_line(vehicle(model, stationary.size()), analysis.stationary_variance_by_input);
+  text += shares_line(model, analysis.stationary_variance_by_input);
   const std::vector<double>& means = analysis.stationary_mean;
   const auto largest = std::max_element(means.begin(), means.end(),
                                         [](double one, double other) { return std::abs(one) < std::abs(other); });

@@ -18,7 +18,7 @@ namespace platoon {
 
 namespace {
 
-constexpr double kShareForLinear = 0.2;  // of half a minute, of chain_moments()
+constexpr double kShareForLinear = 0.05;  // of half a minute, of chain_moments()
 
 std::vector<double> largest_of_steps(const Configuration& configuration, const std::vector<double>& cells) {
   std::vector<double> largest;
