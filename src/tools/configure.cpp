@@ -129,9 +129,8 @@ void require_all_in_one_process(const platoon::CommandLine& line, const platoon:
                                        " with hosting:=one_process, which runs all vehicles"});
 }
 
-// Throws ConfigurationError if the settings would change a run that is replayed as it was recorded.
-void require_as_recorded(const std::map<std::string, std::string>& settings) {
-  std::vector<std::string> problems;
+// Throws ConfigurationError with these problems, and if the settings would change a run that is replayed as recorded.
+void require_as_recorded(const std::map<std::string, std::string>& settings, std::vector<std::string> problems) {
   for (const auto& entry : settings) {
     if (!entry.second.empty() && entry.first != "output" && entry.first != "external" && entry.first != "launch_id")
       problems.push_back(entry.first + ": given: must be with drive:=leader, as the run is replayed as recorded");
@@ -266,15 +265,16 @@ int configure_main(int argc, char** argv) {
       throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
     const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole,
                                   platoon::is_true(line["unverified"])};
+    std::vector<std::string> problems;
     if (line.has("drive")) {
       require_drive(line["drive"], platoon::configuration_to_repeat(bags).run);
       std::map<std::string, std::string> given = line.options;
       given.insert(line.settings.begin(), line.settings.end());
-      const std::vector<std::string> ineffective = platoon::ineffective_arguments(given);
-      if (!ineffective.empty()) throw platoon::ConfigurationError(ineffective);
+      problems = platoon::ineffective_arguments(given);
     }
-    const bool recorded_leader = line["drive"] == "leader";
-    if (!bags.files.empty() && !recorded_leader) require_as_recorded(line.settings);
+    const bool recorded_leader = line["drive"] == "leader", as_recorded = !bags.files.empty() && !recorded_leader;
+    const std::map<std::string, std::string> none;
+    require_as_recorded(as_recorded ? line.settings : none, problems);
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);

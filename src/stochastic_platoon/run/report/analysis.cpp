@@ -54,7 +54,7 @@ std::vector<double> frequencies_about(double peak) {
   return frequencies;
 }
 
-// The keys of `linear` among those given as linear/<key>.
+// The keys of `linear` among those given as linear/KEY.
 std::set<std::string> linear_keys(const std::set<std::string>& keys) {
   const std::string prefix = "linear/";
   std::set<std::string> found;

@@ -54,7 +54,7 @@ struct Analysis {
 /// The analysis of a configuration's platoon over its steps. Throws ConfigurationError for an endless run, for a
 /// burn-in without amplification, and for more steps than the theory of losses in bursts can be computed for.
 ///
-/// `keys`: keys of the JSON document that are needed, those of `linear` also as linear/<key>; empty: all. A figure is
+/// `keys`: keys of the JSON document that are needed, those of `linear` also as linear/KEY; empty: all. A figure is
 /// computed only for its own key, and the values of other keys are then null, empty or missing.
 Analysis analyze(
     const Configuration& configuration, const SignalRequest& signals = {},
