@@ -22,7 +22,7 @@ from plotting.values import Array, drawable, require_some
 PAPER_POINTS = ((3.2, 1.35, 1, "left"), (2.4, 1.35, -1, "right"))
 PAPER_RADII = (0.5274, 0.6546)
 BORDER = style.PALETTE[0]
-REACH = 0.4  # of the border around the middle of two points of the grid, in their distances
+REACH = 0.4  # share of the distance of two grid points by which the border may lie beside their middle
 HIGHEST_PEAK = 10.0  # higher peaks share the last colour
 HIGHEST_LOSS_GAIN = 2.0
 LABELS = {"headway": "time headway $h$ [sample periods]", "gain": "controller gain", "loss": "loss probability $q$",

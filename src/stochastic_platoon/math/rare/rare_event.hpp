@@ -47,10 +47,10 @@ public:
   /// The levels of a row's gap [m]; none without a splitting.
   virtual std::vector<double> levels(std::size_t /*row*/) const { return {}; }
 
-  /// What the samples are unlikely to see at all, however important it is for the event.
+  /// Draws that are too rare for the samples to contain them. The event may take them.
   struct Unseen {
     double probability = 0.0;   ///< at most, in a realization
-    double realizations = 0.0;  ///< that would see it
+    double realizations = 0.0;  ///< number from which on the samples contain them
   };
   virtual Unseen unseen(std::size_t /*row*/) const { return {}; }
 

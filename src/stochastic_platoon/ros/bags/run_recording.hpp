@@ -38,8 +38,8 @@ public:
 
   DropReason receive(std::size_t stream, const stochastic_platoon::Position::ConstPtr& message);
 
-  /// Ignores statistics before the first position, unless they are final: the topic is latched, so that they are those
-  /// of the run before, which change_run has ended.
+  /// Ignores statistics before the first position, unless they are final: the topic is latched, and still has the
+  /// statistics of the run that change_run ended.
   void receive(const stochastic_platoon::ErrorStatistics& message);
 
   /// Everything has arrived, the final statistics included.
