@@ -5,6 +5,7 @@ import json
 import math
 import os
 
+import numpy as np
 import scipy.stats
 import yaml
 
@@ -22,6 +23,16 @@ class RareTest(FolderTest):
             model = yaml.safe_load(file)
         model.update(dict(dict(leader=REST), **changes))
         return self.write(name, json.dumps(model))
+
+    def bursty(self, name, **changes):
+        """A car whose gap of 44 m few bursts close."""
+        loss = dict({"probability": 1e-6, "mean_burst": 25, "on_loss": "extrapolate"}, **changes)
+        loss = {key: value for key, value in loss.items() if value is not None}
+        return self.write(name + ".yaml", json.dumps({
+            "plant": {"actuator_lag": 0.2}, "controller": {"kp": 0.2, "kd": 0.7, "headway_filter": True}, "time_headway_seconds": 2.0,
+            "standstill_distance": 4.0, "sample_period": 0.2, "start": "steady", "leader": {"speed": [{"from_step": 0, "value": 20.0}]},
+            "inputs": [{"signal": "position", "from": "predecessor", "noise_variance": 0.3, "channel": {"loss": loss}}],
+            "initial_position": {"mean": 0.0, "variance": 0.0}, "allow_unstable": True}))
 
     def estimate(self, name, model, **options):
         """The rows of rare.csv by vehicle, with numbers."""
@@ -43,6 +54,14 @@ class RareTest(FolderTest):
     def content(self, name):
         with open(os.path.join(self.path(name), "rare.csv")) as file:
             return file.read()
+
+    def trajectory(self, name, model, vehicle, **options):
+        """Gaps of a follower in the replayed realization, per step from 0 on."""
+        found = tool("rare", "--trajectories", model=model, output=self.path(name), vehicle=vehicle, **options)
+        self.assertEqual(found.returncode, 0, found.stderr)
+        with open(os.path.join(self.path(name), "trajectories.csv")) as file:
+            return np.array([float(row["gap"]) for row in csv.DictReader(file)
+                             if row["vehicle"] == str(vehicle) and int(row["step"]) >= 0])
 
     def error(self, **options):
         found = tool("rare", **dict(dict(output=self.path("refused"), followers=2, steps=50, realizations=1000), **options))

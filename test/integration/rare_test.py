@@ -125,6 +125,17 @@ class Rare(RareTest):
                 self.assertGreater(share, 1e-5)
                 self.assert_covered(row, share, error)
 
+    def test_splitting_agrees_with_plain_monte_carlo_behind_rare_losses(self):
+        # Of the states, the third is reached from the second alone.
+        states = {"transition": [[0.9997, 0.0003, 0.0], [0.2, 0.7, 0.1], [0.0, 0.05, 0.95]], "probability": [1e-4, 0.3, 0.95]}
+        for name, loss in (("bursts", {"probability": 1e-3}), ("states", {"probability": None, "mean_burst": None, "markov": states})):
+            options = dict(followers=2, steps=60, seed=2)
+            rows = self.estimate(name, self.bursty(name, **loss), below=43.3, realizations=6000, **options)
+            measured = self.measured(name, self.bursty(name, **loss), 43.3, realizations=1000000, **options)
+            for i, (share, error) in enumerate(measured, 1):
+                self.assertLess(rows[str(i)]["standard_error"], 0.1 * share)
+                self.assert_covered(rows[str(i)], share, error)
+
     def test_agrees_with_an_integral_of_the_normal_law(self):
         """A gap of follower 1 is below 0 with 1 - P(all gaps > 0), by the quasi Monte Carlo integration of SciPy (A. Genz, J. Comput. Graph.
         Statist. 1, 1992). OpenTURNS would do as well, but Debian 11 has no package of it. The noise of step l first acts on the gap of
@@ -235,14 +246,6 @@ class Rare(RareTest):
         sampling.setMaximumOuterSampling(2)
         sampling.run()
         return sampling.getResult().getProbabilityEstimate()
-
-    def trajectory(self, name, model, vehicle, **options):
-        """Gaps of a follower in the replayed realization, per step from 0 on."""
-        found = tool("rare", "--trajectories", model=model, output=self.path(name), vehicle=vehicle, **options)
-        self.assertEqual(found.returncode, 0, found.stderr)
-        with open(os.path.join(self.path(name), "trajectories.csv")) as file:
-            return np.array([float(row["gap"]) for row in csv.DictReader(file)
-                             if row["vehicle"] == str(vehicle) and int(row["step"]) >= 0])
 
     def test_the_most_likely_realization_is_the_conditional_mean(self):
         # g(k) = m + C(k, t) / C(t, t) (0 - m), at a step t of the largest variance.

@@ -2,6 +2,7 @@
 """The program `rare` and its module: bits, interruptions, replays, plots, required distances, and bad input."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -76,19 +77,28 @@ class Estimations(RareTest):
         self.assertTrue(np.isnan(rows["1"]["probability"]) and rows["2"]["probability"] > 0.0, rows)
         self.assertLess(rows["1"]["upper"], 0.1)  # of a gap below one of the levels that the paths have reached
 
-    def test_losses_that_no_path_sees_are_in_the_upper_limit(self):
-        """23 of 20,000,000 realizations have the event; the estimate is that of the noise alone, 20 times less."""
-        rare = {"probability": 1e-6, "mean_burst": 25, "on_loss": "extrapolate"}
-        model = self.write("bursts.yaml", json.dumps({
-            "plant": {"actuator_lag": 0.2}, "controller": {"kp": 0.2, "kd": 0.7, "headway_filter": True}, "time_headway_seconds": 2.0,
-            "standstill_distance": 4.0, "sample_period": 0.2, "start": "steady", "leader": {"speed": [{"from_step": 0, "value": 20.0}]},
-            "inputs": [{"signal": "position", "from": "predecessor", "noise_variance": 0.3, "channel": {"loss": rare}}],
-            "initial_position": {"mean": 0.0, "variance": 0.0}}))
-        row = self.estimate("bursts", model, followers=1, steps=60, below=43.3, realizations=4000)["1"]
-        self.assertLess(row["probability"], 2e-7)
-        visits = 1e-6 + 60 * 1e-6 / 25
-        self.assertTrue(1.15e-6 < visits < row["upper"] < 1.2 * visits, row)
-        self.assertIn("rare losses, of probability 3.4e-06 in a realization, are in fewer than one path of a repetition", self.document("bursts")["problems"]["1"])
+    def test_losses_that_no_realization_sees_are_in_the_estimate(self):
+        """40 realizations of 4000 paths in all; 23 of 20,000,000 have the event. The noise alone gives 5e-8."""
+        row = self.estimate("bursts", self.bursty("bursts"), followers=1, steps=60, below=43.3, realizations=4000)["1"]
+        self.assert_covered(row, 23 / 2e7, math.sqrt(23) / 2e7)
+        self.assertLess(row["standard_error"], 0.1 * row["probability"])
+        self.assertNotIn("problems", self.document("bursts"))
+        gaps = self.trajectory("bursts_replayed", self.bursty("bursts"), 1, followers=1, steps=60, below=43.3, realizations=4000)
+        self.assertLess(gaps.min(), 43.3)
+
+    def test_two_rare_losses_in_one_realization_are_in_the_upper_limit(self):
+        model, options = self.bursty("pairs", probability=1e-3), dict(followers=1, steps=60, below=-10.0)
+        row = self.estimate("pairs", model, realizations=5000, **options)["1"]
+        begins = 1e-3 + 59 * 1e-3 / 25
+        self.assertLess(row["standard_error"], 0.2 * row["probability"])
+        self.assertAlmostEqual(row["upper"] / (row["probability"] ** 2 / row["lower"] + 0.5 * begins ** 2), 1.0, places=9)
+        self.assertRegex(self.document("pairs")["problems"]["1"], r"row 1: the estimate is without realizations of probability 5\.6e-06 at most, .* or two of them in one realization: realizations must be more than 6e\+03")
+
+    def test_losses_by_the_distance_that_no_path_sees_are_in_the_upper_limit(self):
+        loss = {"probability": None, "mean_burst": None, "by_distance": [[40.0, 1e-5], [100.0, 1e-5]]}
+        row = self.estimate("distance", self.bursty("distance", **loss), followers=1, steps=60, below=43.3, realizations=4000)["1"]
+        self.assertTrue(6e-4 < row["upper"] < 6.1e-4, row)
+        self.assertIn("row 1: the estimate is without realizations of probability 0.0006 at most", self.document("distance")["problems"]["1"])
 
     def test_one_follower_out_of_reach_has_an_upper_limit(self):
         row = self.estimate("alone", self.model(standstill_distance=80.0), followers=1, steps=20, realizations=2000, method="split")["1"]

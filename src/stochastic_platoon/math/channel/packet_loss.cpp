@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/channel/link_stage.hpp"
+#include "stochastic_platoon/math/channel/mode_chances.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/model/loss_chain.hpp"
 #include "stochastic_platoon/math/numerics/aligned_values.hpp"
@@ -46,46 +47,6 @@ void lose_as_recorded(const LossTrace& trace, const double* predicted, std::size
     entry[r] = entry[r] + 1 < trace.size() ? entry[r] + 1 : 0;
   }
 }
-
-/// Draws the modes of a LossChain.
-class ModeChances {
-public:
-  explicit ModeChances(const LossChain& chain) : arrived_(static_cast<std::size_t>(chain.arrived())) {
-    const auto shares = [&chain](const Eigen::VectorXd& probabilities) {
-      std::vector<Share> result;
-      double sum = 0.0;
-      for (Eigen::Index i = 0; i < chain.modes(); ++i) {
-        const Eigen::Index mode = i < chain.lost() ? chain.arrived() + i : i - chain.lost();
-        sum += probabilities(mode);
-        if (probabilities(mode) > 0.0) result.push_back({sum, static_cast<std::uint8_t>(mode)});
-      }
-      result.back().upto = 1.0;
-      return result;
-    };
-    for (Eigen::Index mode = 0; mode < chain.modes(); ++mode)
-      modes_.push_back(shares(chain.transition().row(mode).transpose()));
-    modes_.push_back(shares(chain.stationary()));
-  }
-
-  /// The mode that follows one, or begins the chain, for a uniform draw: the lost modes share the draws below the
-  /// probability of a loss.
-  std::uint8_t after(std::size_t mode, double uniform) const {
-    const std::vector<Share>& shares = modes_[mode];
-    auto found = shares.begin();
-    while (!(uniform < found->upto) && found + 1 != shares.end()) ++found;
-    return found->mode;
-  }
-  std::uint8_t first(double uniform) const { return after(modes_.size() - 1, uniform); }
-  bool is_lost(std::uint8_t mode) const { return mode >= arrived_; }
-
-private:
-  struct Share {
-    double upto;  ///< of a uniform draw
-    std::uint8_t mode;
-  };
-  std::vector<std::vector<Share>> modes_;  ///< behind each mode, and at last the stationary ones
-  std::size_t arrived_;
-};
 
 class PacketLoss : public LinkStage {
 public:

@@ -251,6 +251,7 @@ void WhiteNoise::fill_uniform(DrawName name, std::uint64_t first_realization, st
                               double* uniforms) const {
   if (changes_ == nullptr) return fill_by(fastest().uniform_pairs, seed_, name, first_realization, count, uniforms);
   fill_changed(fastest().uniform_pairs, seed_, *changes_, name, first_realization, count, uniforms);
+  changes_->replace(name, first_realization, count, uniforms);
 }
 
 }  // namespace platoon

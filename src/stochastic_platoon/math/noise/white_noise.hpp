@@ -39,6 +39,10 @@ public:
   /// Adds the shifts of these realizations to their normal draws.
   virtual void shift(const DrawName& /*name*/, std::uint64_t /*first*/, std::size_t /*count*/,
                      double* /*normals*/) const {}
+
+  /// Replaces uniform draws of these realizations.
+  virtual void replace(const DrawName& /*name*/, std::uint64_t /*first*/, std::size_t /*count*/,
+                       double* /*uniforms*/) const {}
 };
 
 /// Standard normal white noise g(seed, i, k, r) as a pure function of its arguments (paper, assumption d).

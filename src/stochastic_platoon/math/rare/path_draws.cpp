@@ -27,9 +27,15 @@ PathDraws::PathDraws(std::uint64_t first, std::size_t paths) {
   for (std::size_t s = 0; s < paths; ++s) lineages_.push_back({{-1, first + s}});
 }
 
+PathDraws::PathDraws(std::uint64_t first, std::vector<std::shared_ptr<const GivenModes>> modes)
+    : PathDraws(first, modes.size()) {
+  modes_ = std::move(modes);
+}
+
 std::shared_ptr<const PathDraws> PathDraws::only(std::size_t path) const {
   const auto result = std::make_shared<PathDraws>(0, 0);
   result->lineages_ = {lineages_[path]};
+  if (!modes_.empty()) result->modes_ = {modes_[path]};
   for (const auto& [name, values] : normals_) result->normals_[name] = {values[path]};
   return result;
 }
@@ -40,6 +46,7 @@ PathDraws PathDraws::continued(const std::vector<std::pair<std::size_t, std::int
   for (std::size_t s = 0; s < parents.size(); ++s) {
     result.lineages_.push_back(lineages_[parents[s].first]);
     redraw(result.lineages_.back(), parents[s].second, first + s);
+    if (!modes_.empty()) result.modes_.push_back(modes_[parents[s].first]);
   }
   for (const auto& [name, values] : normals_) {
     std::vector<double> draws = fresh(noise, name, first, parents.size());
@@ -71,6 +78,7 @@ PathDraws PathDraws::redrawn(const std::vector<std::int64_t>& from, std::uint64_
 
 void PathDraws::take(std::size_t path, const PathDraws& other) {
   lineages_[path] = other.lineages_[path];
+  if (!modes_.empty()) modes_[path] = other.modes_[path];
   auto theirs = other.normals_.begin();
   for (auto& entry : normals_) entry.second[path] = (theirs++)->second[path];
 }
@@ -91,6 +99,14 @@ void PathDraws::shift(const DrawName& name, std::uint64_t first, std::size_t cou
     double& value = values[size() == 1 ? 0 : first + s];
     if (std::isnan(value)) value = normals[s];
     normals[s] = value;
+  }
+}
+
+void PathDraws::replace(const DrawName& name, std::uint64_t first, std::size_t count, double* uniforms) const {
+  if (modes_.empty() || name.purpose != Purpose::loss) return;
+  for (std::size_t s = 0; s < count; ++s) {
+    const GivenModes& modes = *modes_[size() == 1 ? 0 : first + s];
+    if (modes.stream == name.vehicle) uniforms[s] = modes.draw(name.step, uniforms[s]);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stochastic_platoon/math/noise/white_noise.hpp"
+#include "stochastic_platoon/math/rare/rare_losses.hpp"
 
 namespace platoon {
 
@@ -19,11 +20,14 @@ struct LineageSegment {
 using Lineage = std::vector<LineageSegment>;  ///< by ascending steps, the first from step -1 on
 
 /// The draws of branched and moved paths; realization s of a simulation is path s. Uniform draws have lineages, normal
-/// draws are kept.
+/// draws are kept, as are given modes of losses.
 class PathDraws : public ChangedDraws {
 public:
   /// Paths that begin as realizations first, first + 1, ....
   PathDraws(std::uint64_t first, std::size_t paths);
+
+  /// The same, with losses of these modes, one per path.
+  PathDraws(std::uint64_t first, std::vector<std::shared_ptr<const GivenModes>> modes);
 
   std::size_t size() const { return lineages_.size(); }
 
@@ -46,12 +50,14 @@ public:
 
   void origins(std::int64_t step, std::uint64_t first, std::size_t count, std::uint64_t* origins) const override;
   void shift(const DrawName& name, std::uint64_t first, std::size_t count, double* normals) const override;
+  void replace(const DrawName& name, std::uint64_t first, std::size_t count, double* uniforms) const override;
 
 private:
   using Name = std::pair<std::uint32_t, std::int64_t>;  // vehicle and step
 
   std::vector<Lineage> lineages_;
-  mutable std::map<Name, std::vector<double>> normals_;  ///< per path; recorded when the paths are first simulated
+  std::vector<std::shared_ptr<const GivenModes>> modes_;  ///< of all paths or none
+  mutable std::map<Name, std::vector<double>> normals_;   ///< per path; recorded when the paths are first simulated
 };
 
 }  // namespace platoon

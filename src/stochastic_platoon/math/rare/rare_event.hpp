@@ -47,10 +47,10 @@ public:
   /// The levels of a row's gap [m]; none without a splitting.
   virtual std::vector<double> levels(std::size_t /*row*/) const { return {}; }
 
-  /// Draws that are too rare for the samples to contain them. The event may take them.
+  /// Realizations that are too rare for the samples to contain them. They may be events.
   struct Unseen {
-    double probability = 0.0;   ///< at most, in a realization
-    double realizations = 0.0;  ///< number from which on the samples contain them
+    double probability = 0.0;  ///< at most
+    std::string what = {};     ///< "losses that ..."
   };
   virtual Unseen unseen(std::size_t /*row*/) const { return {}; }
 

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "stochastic_platoon/math/rare/rare_event.hpp"
+#include "stochastic_platoon/math/rare/rare_losses.hpp"
+#include "stochastic_platoon/math/rare/split_paths.hpp"
 
 namespace platoon {
 
@@ -17,9 +19,12 @@ namespace platoon {
 /// Paths of one origin have the same gap at step k. Metropolis moves therefore change all their normal draws, g <- rho
 /// g + sqrt(1 - rho^2) g', and their uniform draws (losses, dither) from up to J steps before the crossing on; they are
 /// accepted if the path falls below the level again, in the latter case within J steps. One sample is one repetition;
-/// the scatter of the repetitions gives the standard error. It does not show modes of losses that no path starts with:
-/// see unseen(). References: P. Del Moral, J. Garnier, Ann. Appl. Probab.
-/// 15, 2005; S.-K. Au, J. Beck, Probab. Eng. Mech. 16, 2001.
+/// the scatter of the repetitions gives the standard error.
+///
+/// Losses that few realizations have (see RareLosses) may make up the event, and no path would start with them. Its
+/// probability is then the sum of two parts with levels of their own: without such losses, where paths with them fall
+/// below no level, and with such losses, where all paths start with them and have weights. References: P. Del Moral, J.
+/// Garnier, Ann. Appl. Probab. 15, 2005; S.-K. Au, J. Beck, Probab. Eng. Mech. 16, 2001.
 class Splitting : public RareEstimator {
 public:
   static constexpr std::uint64_t kRepetitions = 20;
@@ -37,29 +42,40 @@ public:
   std::vector<double> levels(std::size_t row) const override { return rows_[row].levels; }
   std::string problem(std::size_t row) const override { return rows_[row].problem; }
 
-  /// The modes of losses (see LossChain) that fewer than one path of a repetition visits: each is visited with a
-  /// probability of at most pi_c + K sum_{b != c} pi_b Pi_bc in K steps.
+  /// Losses as of RareLosses::unseen(), and what a part of the event may have whose levels die out: by the rule of
+  /// three, 3 / n of the last level's probability after n independent samples.
   Unseen unseen(std::size_t row) const override;
 
   /// A path that reaches the last level in the repetition `sample`, by default in the first one that has any.
   std::shared_ptr<const ChangedDraws> replay(std::size_t row, std::optional<std::uint64_t> sample) const override;
 
 private:
-  struct Row {
+  /// The event without rare losses or with them.
+  struct Part {
+    bool has_rare_losses;
     std::vector<double> levels;       ///< [m], descending; the last is the bound of the event
-    std::vector<double> log_reached;  ///< per level: ln of the share of the paths that fall below it
+    std::vector<double> log_reached;  ///< per level that the pilot reaches: ln of the share of its paths
     std::string problem;
   };
-  class Paths;
+  struct Row {
+    std::vector<Part> parts;
+    std::vector<double> levels;       ///< those of the parts
+    std::vector<double> log_reached;  ///< per level: ln of the pilot's probability
+    std::string problem;
+  };
   using Check = std::function<void()>;
 
+  Part pilot(std::size_t row, bool has_rare_losses) const;
   Row pilot(std::size_t row) const;
-  std::size_t last_follower(std::size_t row) const { return row < event_.followers ? row + 1 : row; }
+  /// Per level of a row, ln of the probability to fall below it, in one repetition.
+  std::vector<double> probabilities(std::size_t row, const Row& of, std::uint64_t repetition, const Check& check) const;
+  SplitEvent event(std::size_t row) const { return {model_, event_, row, paths_, losses_[row], has_uniforms_}; }
 
   PlatoonModel model_;
   RareEvent event_;
   std::size_t paths_;  ///< per level of a repetition
   bool has_uniforms_;  ///< whether links lose or quantise
+  std::vector<RareLosses> losses_;
   std::vector<Row> rows_;
 };
 

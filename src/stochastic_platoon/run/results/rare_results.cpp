@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kSecondsPerHour = 3600.0;
 constexpr double kUnseen = 1.5;        // samples
+constexpr double kNotable = 0.1;       // share of the upper end
 constexpr double kLargestError = 0.2;  // relative, up to which the interval of a splitting holds
 using boost::math::double_constants::ln_ten;
 
@@ -84,11 +85,11 @@ RareRow row_of(const Configuration& configuration, const RareEstimator& estimato
     of.problem = formatted(
         "row %s: an error of %.0f %% is too large for an upper end: it is that of gaps below %g m; realizations must be more for a nearer one",
         of.vehicle.c_str(), 100.0 * of.relative_error, estimator.levels(row)[deepest - 1]);
-  if (unseen.probability > 0.0) {
+  if (unseen.probability > kNotable * std::exp(upper)) {
     if (!of.problem.empty()) of.problem += "; ";
     of.problem += formatted(
-        "row %s: rare losses, of probability %.2g in a realization, are in fewer than one path of a repetition: the estimate is without them, and the upper end counts them as events; realizations must be more than %.2g",
-        of.vehicle.c_str(), unseen.probability, unseen.realizations);
+        "row %s: the estimate is without realizations of probability %.2g at most, which its paths hardly contain, and the upper end counts them as events: %s",
+        of.vehicle.c_str(), unseen.probability, unseen.what.c_str());
   }
   return of;
 }
