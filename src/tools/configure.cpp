@@ -129,13 +129,12 @@ void require_all_in_one_process(const platoon::CommandLine& line, const platoon:
                                        " with hosting:=one_process, which runs all vehicles"});
 }
 
-// Throws ConfigurationError with these problems, and if the settings would change a run that is replayed as recorded.
-void require_as_recorded(const std::map<std::string, std::string>& settings, std::vector<std::string> problems) {
+// Adds what would change a run that is replayed as recorded.
+void require_as_recorded(const std::map<std::string, std::string>& settings, std::vector<std::string>& problems) {
   for (const auto& entry : settings) {
     if (!entry.second.empty() && entry.first != "output" && entry.first != "external" && entry.first != "launch_id")
       problems.push_back(entry.first + ": given: must be with drive:=leader, as the run is replayed as recorded");
   }
-  if (!problems.empty()) throw platoon::ConfigurationError(problems);
 }
 
 // Joins the master of this launch and returns the namespace of its platoon, resolved; none without a launch.
@@ -273,8 +272,8 @@ int configure_main(int argc, char** argv) {
       problems = platoon::ineffective_arguments(given);
     }
     const bool recorded_leader = line["drive"] == "leader", as_recorded = !bags.files.empty() && !recorded_leader;
-    const std::map<std::string, std::string> none;
-    require_as_recorded(as_recorded ? line.settings : none, problems);
+    if (as_recorded) require_as_recorded(line.settings, problems);
+    if (!problems.empty()) throw platoon::ConfigurationError(problems);
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
     if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);

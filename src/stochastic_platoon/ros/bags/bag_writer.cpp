@@ -195,10 +195,15 @@ std::string left_part(const std::string& name) {
   return first.empty() ? "" : (path.parent_path() / first).string();
 }
 
+std::string overwritten(const std::string& record, bool in_parts) {
+  std::string left = left_recording(record);
+  if (left.empty()) left = left_recording(std::filesystem::path(record).replace_extension().string() + "_0.bag");
+  return left.empty() && in_parts ? left_part(record) : left;
+}
+
 void require_free_recording(const std::string& record, bool in_parts) {
   if (record.empty()) return;
-  const std::string stem = record.size() > 4 ? record.substr(0, record.size() - 4) : "";
-  if (stem.empty() || stem + ".bag" != record) {
+  if (record.size() <= 4 || record.substr(record.size() - 4) != ".bag") {
     throw ConfigurationError({"record: " + record + ": must be a file name that ends in .bag"});
   }
   try {
@@ -207,10 +212,8 @@ void require_free_recording(const std::string& record, bool in_parts) {
     throw ConfigurationError({std::string("record: ") + error.what() + ": must be in a folder that can be written"});
   }
   try {
-    std::string left = left_recording(record);
-    if (left.empty()) left = left_recording(stem + "_0.bag");
-    if (left.empty() && in_parts) left = left_part(record);
-    if (!left.empty()) throw ConfigurationError({"record: " + left + ": exists: must be a new file"});
+    if (const std::string left = overwritten(record, in_parts); !left.empty())
+      throw ConfigurationError({"record: " + left + ": exists: must be a new file"});
   } catch (const std::filesystem::filesystem_error& error) {
     throw ConfigurationError(
         {"record: " + error.path1().string() + ": " + error.code().message() + ": must be a new file"});

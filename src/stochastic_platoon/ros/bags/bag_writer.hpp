@@ -93,6 +93,9 @@ std::string left_recording(const std::string& name);
 /// Throws std::filesystem::filesystem_error if the folder cannot be read.
 std::string left_part(const std::string& name);
 
+/// The first file that a recording named `record`, STEM.bag, or one in parts would overwrite; empty if there is none.
+std::string overwritten(const std::string& record, bool in_parts);
+
 /// Throws ConfigurationError unless the bag, or one in parts, can be written without overwriting another; an empty name
 /// is none.
 void require_free_recording(const std::string& record, bool in_parts);

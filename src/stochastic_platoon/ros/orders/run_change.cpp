@@ -65,8 +65,7 @@ std::map<std::string, std::string> taken_parameter(const ros::NodeHandle& platoo
 
 bool is_taken(const RunOptions& run) {
   if (std::filesystem::exists(run.output)) return true;
-  if (run.record.empty()) return false;
-  return !left_recording(run.record).empty() || (run.record_split_mb > 0 && !left_part(run.record).empty());
+  return !run.record.empty() && !overwritten(run.record, run.record_split_mb > 0).empty();
 }
 
 }  // namespace
