@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """kill -9 of any node during a run costs time but no sample: the statistics equal those of an undisturbed run to the bit."""
 
+import os
 import sys
 import unittest
 
@@ -9,15 +10,22 @@ import rostest
 from stochastic_platoon.msg import Progress
 
 import live_platoon
+from folder import temporary_folder
+from terminal import Terminal
 
 
 class Kill(unittest.TestCase):
     def setUp(self):
-        self.output = rospy.get_param("~output")
+        folder = temporary_folder(self.addCleanup)
+        self.output = os.path.join(folder, "run")
         self.victims = rospy.get_param("~victims").split("+")
-        self.settings = {name: rospy.get_param("~" + name) for name in ("followers", "steps", "realizations")}
+        self.settings = {"followers": 4, "steps": 20, "realizations": 800}
         self.committed = 0
         self.progress = rospy.Subscriber("/platoon/progress", Progress, self.receive, queue_size=1000)
+        # Paced, so that the run lasts long enough to be disturbed on any machine, and not begun before this test listens.
+        platoon = Terminal(folder, "platoon.launch", os.environ["ROS_MASTER_URI"], model=rospy.get_param("~model"), output=self.output, batch=10,
+                           rate=400, stall_timeout=0.5, hosting=rospy.get_param("~hosting"), **self.settings)
+        self.addCleanup(platoon.end)
 
     def receive(self, message):
         self.committed = message.first_realization

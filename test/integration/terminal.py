@@ -58,15 +58,18 @@ class Terminal:
 
 
 def start_master(folder, cleanup):
-    """Starts a master that outlives launches, until `cleanup` (such as addCleanup) ends it; returns its address."""
-    port = live_platoon.free_port()
-    master = "http://localhost:{}".format(port)
-    core = subprocess.Popen(["roscore", "-p", str(port)], env=live_platoon.ros_environment(master, ROS_HOME=folder),
-                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    cleanup(core.wait)
-    cleanup(core.terminate)
-    live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", master), "the master")
-    return master
+    """Starts a master that outlives launches, until `cleanup` (such as addCleanup) ends it; returns its address. roscore ends itself if its
+    master has not answered in ten seconds, as on a machine with a load of ten: another one is then started."""
+    while True:
+        port = live_platoon.free_port()
+        master = "http://localhost:{}".format(port)
+        core = subprocess.Popen(["roscore", "-p", str(port)], env=live_platoon.ros_environment(master, ROS_HOME=folder),
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        cleanup(core.wait)
+        cleanup(core.terminate)
+        live_platoon.wait_for(lambda: live_platoon.process_of("/rosout", master) or core.poll() is not None, "the master")
+        if core.poll() is None:
+            return master
 
 
 @functools.lru_cache(maxsize=None)
