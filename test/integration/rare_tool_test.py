@@ -100,6 +100,14 @@ class Estimations(RareTest):
         self.assertTrue(6e-4 < row["upper"] < 6.1e-4, row)
         self.assertIn("row 1: the estimate is without realizations of probability 0.0006 at most", self.document("distance")["problems"]["1"])
 
+    def test_a_follower_whose_event_is_certain_leaves_the_others_their_estimates(self):
+        model = self.model(standstill_distance=3.0, vehicle_types={"near": {"standstill_distance": 0.5}}, string=["near", "default"])
+        rows = self.estimate("near", model, followers=2, steps=20, below=1.0, realizations=2000, method="split")
+        for vehicle in ("1", "any"):
+            self.assertEqual((rows[vehicle]["probability"], rows[vehicle]["standard_error"], rows[vehicle]["upper"]), (1.0, 0.0, 1.0))
+        (_, _), (share, error) = self.measured("near", model, 1.0, followers=2, steps=20, realizations=300000)
+        self.assert_covered(rows["2"], share, error)
+
     def test_one_follower_out_of_reach_has_an_upper_limit(self):
         row = self.estimate("alone", self.model(standstill_distance=80.0), followers=1, steps=20, realizations=2000, method="split")["1"]
         self.assertTrue(np.isnan(row["probability"]) and row["upper"] < 0.1, row)

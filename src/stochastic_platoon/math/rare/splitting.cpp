@@ -45,23 +45,23 @@ Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uin
     losses_.emplace_back(model_, row < event.followers ? row + 1 : row, event.steps);
   for (std::size_t row = 0; row <= event.followers; ++row)
     rows_.push_back(row == event.followers && row == 1 ? rows_.front() : pilot(row));
+  if (std::all_of(rows_.begin(), rows_.end(), [](const Row& of) { return of.parts.front().is_certain; }))
+    throw std::invalid_argument(
+        formatted("below: %g m: the gap of vehicle_1 is smaller in each of %zu realizations: must be smaller",
+                  event.below, paths_));
 }
 
 Splitting::Part Splitting::pilot(std::size_t row, bool has_rare_losses) const {
   SplitPaths paths(event(row), kPilot, has_rare_losses);
   const Check check = [] { check_interruption(); };
-  const std::string who = row < event_.followers ? "vehicle_" + std::to_string(row + 1) : "any vehicle";
-  Part result{has_rare_losses, {}, {}, {}};
+  Part result{has_rare_losses, false, {}, {}, {}};
   double before = kInfinity;
   while (result.levels.size() < kMostLevels) {
     paths.run(-kInfinity, check);
     std::vector<double> sorted = paths.smallest();
     std::sort(sorted.begin(), sorted.end());
     const double largest = *(std::lower_bound(sorted.begin() + 1, sorted.end(), kInfinity) - 1);
-    if (row < event_.followers && largest < event_.below && result.levels.empty() && !has_rare_losses)
-      throw std::invalid_argument(
-          formatted("below: %g m: the gap of %s is smaller in each of %zu realizations: must be smaller", event_.below,
-                    who.c_str(), paths_));
+    if (largest < event_.below && result.levels.empty()) result.is_certain = true;
     const double level =
         std::max(std::min(sorted[static_cast<std::size_t>(kFraction * static_cast<double>(sorted.size()))], largest),
                  event_.below);
@@ -69,7 +69,8 @@ Splitting::Part Splitting::pilot(std::size_t row, bool has_rare_losses) const {
     if (share == 0.0) {
       result.problem = formatted(
           "below: %g m: levels die out: no path of %s falls below %g m: must be larger, or realizations more than %zu; the event may be impossible",
-          event_.below, who.c_str(), sorted.front(), paths_ * kRepetitions);
+          event_.below, row < event_.followers ? ("vehicle_" + std::to_string(row + 1)).c_str() : "any vehicle",
+          sorted.front(), paths_ * kRepetitions);
       return result;
     }
     result.log_reached.push_back((result.levels.empty() ? 0.0 : result.log_reached.back()) + std::log(share));

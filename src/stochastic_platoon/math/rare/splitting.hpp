@@ -32,7 +32,7 @@ public:
   static constexpr std::uint64_t kMostRealizations = kRepetitions << 26;
 
   /// `realizations`: n per level, of all repetitions. Throws std::invalid_argument unless it is from kLeastRealizations
-  /// to kMostRealizations, and if the event always happens to a follower.
+  /// to kMostRealizations, and if the event always happens to all followers.
   Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations);
 
   /// The logarithms of the pilot's estimates of the probabilities to fall below each level.
@@ -53,6 +53,7 @@ private:
   /// The event without rare losses or with them.
   struct Part {
     bool has_rare_losses;
+    bool is_certain;                  ///< all paths of the pilot have the event
     std::vector<double> levels;       ///< [m], descending; the last is the bound of the event
     std::vector<double> log_reached;  ///< per level that the pilot reaches: ln of the share of its paths
     std::string problem;
