@@ -126,7 +126,7 @@ class Rare(RareTest):
                 self.assert_covered(row, share, error)
 
     def test_splitting_agrees_with_plain_monte_carlo_behind_rare_losses(self):
-        # Of the states, the third is reached from the second alone.
+        # The third state is reached from the second one alone.
         states = {"transition": [[0.9997, 0.0003, 0.0], [0.2, 0.7, 0.1], [0.0, 0.05, 0.95]], "probability": [1e-4, 0.3, 0.95]}
         for name, loss in (("bursts", {"probability": 1e-3}), ("states", {"probability": None, "mean_burst": None, "markov": states})):
             options = dict(followers=2, steps=60, seed=2)
