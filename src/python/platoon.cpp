@@ -117,10 +117,12 @@ py::tuple rare_of(const Model& model, const Settings& settings, const Settings& 
   Configuration configuration = model.configuration(settings);
   configuration.run.hosting = Hosting::monte_carlo;
   const RareOptions given = rare_options(options);
-  const RareRun run = unlocked([&] { return rare_run(configuration, given); });
-  require_an_estimate(run);
+  std::uint64_t samples = 0;
   Supervision supervised(
-      threads, checkpoint_seconds, [&](std::uint64_t done) { progress(done, run.samples()); }, warn);
+      threads, checkpoint_seconds, [&](std::uint64_t done) { progress(done, samples); }, warn);
+  const RareRun run = unlocked([&] { return rare_run(configuration, given, supervised.how.threads); });
+  require_an_estimate(run);
+  samples = run.samples();
   const RareResult result = unlocked([&] { return compute_rare(run, supervised.how); });
   if (supervised.raised) std::rethrow_exception(supervised.raised);
   return py::make_tuple(plain_object_of(nlohmann::json::parse(result.files.at("rare.json"))), result.report);

@@ -45,10 +45,16 @@ void write_trajectories(const platoon::RareRun& run, const std::string& vehicle,
   std::cout << "A realization with a gap below " << run.options.below << " m: " << file << "\n";
 }
 
-// The estimation; the pilot of a splitting, which may take long, ends at Ctrl-C.
-platoon::RareRun prepared(const platoon::Configuration& configuration, const platoon::RareOptions& options) {
+// The estimation, after the pilot of a splitting, which may take long: it is displayed and ends at Ctrl-C.
+template <typename... Arguments>
+platoon::RareRun prepared(const Arguments&... of) {
   const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
-  return platoon::rare_run(configuration, options);
+  platoon::ProgressDisplay display(1, "pilot", 1.0, "pilots");
+  const platoon::Interruptible displayed(
+      [&display] { display.prepare("rare: prepares the estimation", platoon::now()); });
+  platoon::RareRun run = platoon::rare_run(of...);
+  display.finish();
+  return run;
 }
 
 // The configuration with the value of the key that satisfies the requirement.
@@ -63,10 +69,11 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
   };
   const platoon::VehicleModel& vehicle = base.model.default_vehicle();
   const std::string per = requirement.per_hour ? " per hour" : " per run";
+  const platoon::ShardSettings how = platoon::shard_settings(given);
   const double present = requirement.over == "time_headway" ? vehicle.headway : vehicle.standstill_distance;
   const double value = platoon::required_value(
-      requirement, present > 0.0 ? present : 1.0, [&](double of) { return prepared(with(of), options); },
-      platoon::shard_settings(given),
+      requirement, present > 0.0 ? present : 1.0, [&](double of) { return prepared(with(of), options, how.threads); },
+      how,
       [&](double of, double figure) {
         if (::isatty(STDERR_FILENO) != 0)
           std::cerr << requirement.over << " " << of << ": " << figure << per << " at the upper 95 % limit\n";
@@ -97,7 +104,7 @@ void merge_into(const platoon::CommandLine& given) {
   platoon::MergedShards merged = platoon::merge_shards(given.words);
   if (merged.run.rare.is_null())
     throw platoon::ConfigurationError({"shards of monte_carlo: must be joined by merge DIR... --output DIR"});
-  platoon::RareRun run = platoon::rare_run(merged.run);
+  platoon::RareRun run = prepared(merged.run, platoon::threads_of(given));
   run.configuration.run.output = output;
   run.configuration.run.launch_id.clear();
   run.options.speed = platoon::rare_options(given.options).speed;
@@ -152,7 +159,8 @@ int rare_main(int argc, char** argv) {
     const auto requirement = platoon::rare_requirement(given.options);
     if (requirement && !given.has("trajectories")) platoon::require_no_rare_results(configuration.run.output);
     if (requirement) configuration = fulfilling(*requirement, configuration, options, given);
-    const platoon::RareRun run = prepared(configuration, options);
+    const platoon::ShardSettings how = platoon::shard_settings(given);
+    const platoon::RareRun run = prepared(configuration, options, how.threads);
     if (!requirement) platoon::require_an_estimate(run);
     if (given.has("trajectories")) {
       if (given.has("shard")) throw platoon::ConfigurationError({"shard: given: must be absent beside trajectories"});
@@ -163,7 +171,6 @@ int rare_main(int argc, char** argv) {
       if (given.has(name))
         throw platoon::ConfigurationError({std::string(name) + ": given: must be with --trajectories"});
     }
-    const platoon::ShardSettings how = platoon::shard_settings(given);
     const bool complete =
         given.has("shard")
             ? platoon::run_shard(run.shard(platoon::parse_shard(given["shard"], run.samples())), how, run.work())

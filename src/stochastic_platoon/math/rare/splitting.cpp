@@ -24,7 +24,7 @@ constexpr std::uint64_t kPilot = 4095;  // its repetition
 
 }  // namespace
 
-Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations)
+Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations, unsigned threads)
     : model_(model),
       event_(event),
       paths_(static_cast<std::size_t>(realizations / kRepetitions)),
@@ -43,17 +43,61 @@ Splitting::Splitting(const PlatoonModel& model, const RareEvent& event, std::uin
                   event.followers, static_cast<long long>(event.steps)));
   for (std::size_t row = 0; row <= event.followers; ++row)
     losses_.emplace_back(model_, row < event.followers ? row + 1 : row, event.steps);
-  for (std::size_t row = 0; row <= event.followers; ++row)
-    rows_.push_back(row == event.followers && row == 1 ? rows_.front() : pilot(row));
+  pilot(threads);
   if (std::all_of(rows_.begin(), rows_.end(), [](const Row& of) { return of.parts.front().is_certain; }))
     throw std::invalid_argument(
         formatted("below: %g m: the gap of vehicle_1 is smaller in each of %zu realizations: must be smaller",
                   event.below, paths_));
 }
 
-Splitting::Part Splitting::pilot(std::size_t row, bool has_rare_losses) const {
+void Splitting::pilot(unsigned threads) {
+  rows_.resize(event_.followers + 1);
+  const auto computation = [this](const RealizationRange& rows, const Check& check, EnsembleTotals&) {
+    rows_[rows.first] = pilot(rows.first, check);
+  };
+  const BatchWork work{EnsembleTotals(MomentTable(0)), 1, [computation] { return computation; }};
+  const bool is_one = event_.followers == 1;  // the only follower is any follower
+  EnsembleRun run(work, {0, is_one ? 1 : rows_.size()}, work.none);
+  complete(run, threads, [&] {
+    try {
+      check_interruption();
+    } catch (...) {
+      run.abandon();
+      throw;
+    }
+  });
+  if (is_one) rows_.back() = rows_.front();
+}
+
+Splitting::Row Splitting::pilot(std::size_t row, const Check& check) const {
+  Part part = pilot(row, false, check);
+  if (losses_[row].empty()) return {{part}, part.levels, part.log_reached, part.problem};
+  Row result{{std::move(part), pilot(row, true, check)}, {}, {}, {}};
+  const bool has_estimate =
+      std::any_of(result.parts.begin(), result.parts.end(), [](const Part& of) { return of.problem.empty(); });
+  if (!has_estimate) result.problem = result.parts.front().problem;
+  for (Part& of : result.parts) {
+    if (has_estimate && !of.problem.empty()) of.levels.push_back(event_.below);
+    result.levels.insert(result.levels.end(), of.levels.begin(), of.levels.end());
+  }
+  std::sort(result.levels.begin(), result.levels.end(), std::greater<>());
+  result.levels.erase(std::unique(result.levels.begin(), result.levels.end()), result.levels.end());
+  // A scale of the weights, which nothing but their range depends on.
+  for (const double level : result.levels) {
+    double scale = -kInfinity;
+    for (const Part& of : result.parts) {
+      const double mean = of.has_rare_losses ? std::min(0.0, std::log(losses_[row].expected())) : 0.0;
+      std::size_t passed = 0;
+      while (passed < of.log_reached.size() && of.levels[passed] >= level) ++passed;
+      scale = std::max(scale, mean + (passed > 0 ? of.log_reached[passed - 1] : 0.0));
+    }
+    result.log_reached.push_back(scale);
+  }
+  return result;
+}
+
+Splitting::Part Splitting::pilot(std::size_t row, bool has_rare_losses, const Check& check) const {
   SplitPaths paths(event(row), kPilot, has_rare_losses);
-  const Check check = [] { check_interruption(); };
   Part result{has_rare_losses, false, {}, {}, {}};
   double before = kInfinity;
   while (result.levels.size() < kMostLevels) {
@@ -81,28 +125,6 @@ Splitting::Part Splitting::pilot(std::size_t row, bool has_rare_losses) const {
   }
   result.problem = formatted("below: %g m: more than %zu levels, of which the last is at %g m: must be larger",
                              event_.below, kMostLevels, result.levels.back());
-  return result;
-}
-
-Splitting::Row Splitting::pilot(std::size_t row) const {
-  Part part = pilot(row, false);
-  if (losses_[row].empty()) return {{part}, part.levels, part.log_reached, part.problem};
-  Row result{{std::move(part), pilot(row, true)}, {}, {}, {}};
-  const bool has_estimate =
-      std::any_of(result.parts.begin(), result.parts.end(), [](const Part& of) { return of.problem.empty(); });
-  if (!has_estimate) result.problem = result.parts.front().problem;
-  for (Part& of : result.parts) {
-    if (has_estimate && !of.problem.empty()) of.levels.push_back(event_.below);
-    result.levels.insert(result.levels.end(), of.levels.begin(), of.levels.end());
-  }
-  std::sort(result.levels.begin(), result.levels.end(), std::greater<>());
-  result.levels.erase(std::unique(result.levels.begin(), result.levels.end()), result.levels.end());
-  result.log_reached = probabilities(row, result, kPilot, [] { check_interruption(); });
-  // A scale of the weights, which nothing but their range depends on.
-  for (std::size_t level = 0; level < result.levels.size(); ++level) {
-    double& reached = result.log_reached[level];
-    if (reached == -kInfinity) reached = level > 0 ? result.log_reached[level - 1] : 0.0;
-  }
   return result;
 }
 

@@ -32,10 +32,11 @@ public:
   static constexpr std::uint64_t kMostRealizations = kRepetitions << 26;
 
   /// `realizations`: n per level, of all repetitions. Throws std::invalid_argument unless it is from kLeastRealizations
-  /// to kMostRealizations, and if the event always happens to all followers.
-  Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations);
+  /// to kMostRealizations, and if the event always happens to all followers. `threads`: of the pilot run.
+  Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations, unsigned threads = 1);
 
-  /// The logarithms of the pilot's estimates of the probabilities to fall below each level.
+  /// The logarithms of the pilot's estimates of the probabilities to fall below each level. With rare losses: those of
+  /// the larger part, at the last of its own levels that is not below.
   std::vector<double> log_scales(std::size_t row) const override { return rows_[row].log_reached; }
   std::uint64_t samples(std::uint64_t) const override { return kRepetitions; }
   BatchWork work() const override;
@@ -66,8 +67,9 @@ private:
   };
   using Check = std::function<void()>;
 
-  Part pilot(std::size_t row, bool has_rare_losses) const;
-  Row pilot(std::size_t row) const;
+  void pilot(unsigned threads);
+  Row pilot(std::size_t row, const Check& check) const;
+  Part pilot(std::size_t row, bool has_rare_losses, const Check& check) const;
   /// Per level of a row, ln of the probability to fall below it, in one repetition.
   std::vector<double> probabilities(std::size_t row, const Row& of, std::uint64_t repetition, const Check& check) const;
   SplitEvent event(std::size_t row) const { return {model_, event_, row, paths_, losses_[row], has_uniforms_}; }

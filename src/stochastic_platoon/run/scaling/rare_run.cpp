@@ -77,7 +77,7 @@ RareOptions rare_options(const std::map<std::string, std::string>& given) {
   return options;
 }
 
-RareRun rare_run(const Configuration& configuration, RareOptions options) {
+RareRun rare_run(const Configuration& configuration, RareOptions options, unsigned threads) {
   require_known(configuration, options);
   const RunOptions& run = configuration.run;
   const RareEvent event{run.seed, run.followers, run.steps, options.below, run.burn_in};
@@ -86,7 +86,7 @@ RareRun rare_run(const Configuration& configuration, RareOptions options) {
     if (options.method == kCondition) {
       estimator = std::make_shared<ConditionedGaps>(configuration.model, event);
     } else {
-      estimator = std::make_shared<Splitting>(configuration.model, event, run.realizations);
+      estimator = std::make_shared<Splitting>(configuration.model, event, run.realizations, threads);
     }
     return {configuration, options, estimator};
   } catch (const std::invalid_argument& error) {
@@ -94,9 +94,9 @@ RareRun rare_run(const Configuration& configuration, RareOptions options) {
   }
 }
 
-RareRun rare_run(const ShardRun& shard) {
+RareRun rare_run(const ShardRun& shard, unsigned threads) {
   return rare_run(shard.configuration,
-                  {shard.rare.at("below").get<double>(), shard.rare.at("method").get<std::string>()});
+                  {shard.rare.at("below").get<double>(), shard.rare.at("method").get<std::string>()}, threads);
 }
 
 RareResult rare_result(const RareRun& run, const EnsembleTotals& totals) {

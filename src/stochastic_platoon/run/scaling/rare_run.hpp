@@ -29,10 +29,11 @@ RareOptions rare_options(const std::map<std::string, std::string>& given);
 
 /// The estimation by the given method, or by that of the model if it is empty or "auto": conditioned realizations for
 /// normal errors, splitting for all others; see require_an_estimate(). Throws ConfigurationError if the method does not
-/// apply, for an event that cannot happen or is no rare one, and for external vehicles.
-RareRun rare_run(const Configuration& configuration, RareOptions options);
+/// apply, for an event that cannot happen or is no rare one, and for external vehicles. `threads`: of a splitting's
+/// pilot.
+RareRun rare_run(const Configuration& configuration, RareOptions options, unsigned threads);
 /// The estimation to which a shard belongs.
-RareRun rare_run(const ShardRun& shard);
+RareRun rare_run(const ShardRun& shard, unsigned threads);
 
 /// The result of an estimation, complete or not.
 struct RareResult {
