@@ -12,6 +12,7 @@
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/linear_theory.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"
+#include "stochastic_platoon/run/report/string_text.hpp"
 
 namespace platoon {
 
@@ -69,11 +70,6 @@ std::string headway_line(const PlatoonModel& model, const Analysis& analysis) {
          shown(headways.intervals, unit) + "\n";
 }
 
-std::string text_of(const Input& input) {
-  const std::string source = input.ahead == Input::kLeader ? "the leader" : formatted("vehicle i-%zu", input.ahead);
-  return std::string(name_of(input.signal)) + " of " + source;
-}
-
 std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
   const std::optional<LossModel>& own_loss = model.default_vehicle().varied_link().loss;
   if (own_loss && own_loss->markov) return "Critical loss probability: none, as a chain of states loses\n";
@@ -94,7 +90,7 @@ std::string loss_line(const PlatoonModel& model, const Analysis& analysis) {
          shown(analysis.losses->intervals) + "\n";
 }
 
-/// "h = 0.8 s (8 sample periods), hears position of vehicle i-1 (0.6), position of vehicle i-2 (0.4)".
+/// "of which radar 0.004 m^2, radio 0.001 m^2 (follower 20)".
 std::string shares_line(const PlatoonModel& model, const std::vector<std::vector<double>>& shares) {
   if (shares.empty()) return "";
   const std::vector<VehicleModel> vehicles = pattern(model);
@@ -109,14 +105,6 @@ std::string shares_line(const PlatoonModel& model, const std::vector<std::vector
     text += (n > 0 ? ", " : "") + name + " " + figure(shares.back()[n], "m^2");
   }
   return text + formatted(" (follower %zu)\n", shares.size());
-}
-
-std::string inputs_text(const VehicleModel& own, double sample_period) {
-  std::string text = spacing_text(own, sample_period) + ", hears ";
-  for (const Input& input : own.inputs) {
-    text += (&input == &own.inputs.front() ? "" : ", ") + text_of(input) + formatted(" (%g)", input.gain);
-  }
-  return text;
 }
 
 std::string burst_line(const PlatoonModel& model, const Analysis& analysis) {
@@ -143,13 +131,7 @@ std::string leader_share_line(const PlatoonModel& model, const Analysis& analysi
 std::string report(const Configuration& configuration, const Analysis& analysis) {
   const PlatoonModel& model = configuration.model;
   const StringStability& stability = analysis.stability;
-  const VehicleModel& own = model.default_vehicle();
-  const bool plain = hears_predecessors_only(model);
-  std::string text =
-      spacing_text(own, model.sample_period) + formatted(", P_d = %g m^2", own.position().noise_variance);
-  if (!plain) text = inputs_text(own, model.sample_period);
-  if (plain && own.radio() != nullptr) text += formatted(", radio %g (m/s^2)^2", own.radio()->noise_variance);
-  text += ": ";
+  std::string text = string_text(model) + ": ";
   if (analysis.without_theory) {
     text += "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" + age_report(model) +
             report(configuration, analysis.signals) + warning_lines(analysis.warnings);

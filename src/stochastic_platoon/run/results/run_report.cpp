@@ -6,6 +6,7 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"
+#include "stochastic_platoon/run/report/string_text.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
@@ -103,11 +104,8 @@ std::string no_verdict_over_time(const Configuration& configuration, const Predi
 
 std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
-  const VehicleModel& vehicle = configuration.model.default_vehicle();
   const StringStability& stability = prediction.stability;
-  std::string text =
-      formatted("\nPlatoon of %zu followers, %s, P_d = %g m^2: ", run.followers,
-                spacing_text(vehicle, configuration.model.sample_period).c_str(), vehicle.position().noise_variance);
+  std::string text = formatted("\nPlatoon of %zu followers, ", run.followers) + string_text(configuration.model) + ": ";
   text += heading(configuration, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   if (found) {

@@ -1,6 +1,6 @@
 #include "stochastic_platoon/run/report/analysis_report.hpp"
-#include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
+#include "stochastic_platoon/run/report/string_text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -84,11 +84,31 @@ TEST(Analysis, HasTheGainAlongTheStringWithItsPeak) {
 }
 
 TEST(Analysis, NamesTheSpacing) {
-  VehicleModel vehicle = model_at(3.2).default_vehicle();
-  EXPECT_EQ(spacing_text(vehicle, 0.1), "h = 0.32 s (3.2 sample periods)");
-  vehicle.constant_spacing = true;
-  vehicle.standstill_distance = 9.2;
-  EXPECT_EQ(spacing_text(vehicle, 0.1), "constant spacing of 9.2 m");
+  PlatoonModel model = model_at(3.2);
+  EXPECT_EQ(spacing_text(model), "h = 0.32 s (3.2 sample periods)");
+  model.default_vehicle().constant_spacing = true;
+  model.default_vehicle().standstill_distance = 9.2;
+  EXPECT_EQ(spacing_text(model), "constant spacing of 9.2 m");
+}
+
+TEST(Analysis, NamesWhatTheVehiclesOfTheStringHave) {
+  PlatoonModel model = model_at(3.2);
+  model.types.push_back({"near", model_at(2.4).default_vehicle()});
+  model.types.push_back({"noisy", model_at(2.8).default_vehicle()});
+  model.types.back().vehicle.position().noise_variance = 4.0;
+  model.string = {1};
+  EXPECT_EQ(string_text(model), "h = 0.24 s (2.4 sample periods), P_d = 0.6 m^2");
+  model.string = {1, 2};
+  EXPECT_EQ(string_text(model), "h = 0.24 to 0.28 s (2.4 to 2.8 sample periods), P_d = 0.6 to 4 m^2");
+  model.types[1].vehicle.constant_spacing = true;
+  model.types[1].vehicle.standstill_distance = 9.2;
+  EXPECT_EQ(string_text(model), "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, P_d = 0.6 to 4 m^2");
+  model.types[1].vehicle.inputs.push_back({});
+  model.types[1].vehicle.inputs.back().ahead = 2;
+  model.types[1].vehicle.inputs.back().gain = 0.25;
+  EXPECT_EQ(
+      string_text(model),
+      "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, near hears position of vehicle i-1 (1), position of vehicle i-2 (0.25), noisy hears position of vehicle i-1 (1)");
 }
 
 TEST(Analysis, NamesTheFirstOfManyTypes) {

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "stochastic_platoon/math/model/platoon_model.hpp"
+
+namespace platoon {
+
+/// "h = 0.32 s (3.2 sample periods)" of the string's vehicles; "h = 3.5 to 4 s (70 to 80 sample periods)" if they have
+/// several; "constant spacing of 9.2 m".
+std::string spacing_text(const PlatoonModel& model);
+
+/// "radio of vehicle i-1".
+std::string text_of(const Input& input);
+
+/// The string's spacing and the noise of its links: "h = 0.32 s (3.2 sample periods), P_d = 0.25 m^2"; for vehicles
+/// that hear others than their predecessor what they hear, with the weights.
+std::string string_text(const PlatoonModel& model);
+
+}  // namespace platoon
