@@ -84,6 +84,8 @@ class Models(ModuleTest):
         self.assertRaisesText(ValueError, "signals: 5: must be names", sp.analyze, model, signals=5)
         self.assertRaisesText(ValueError, "keys: [1]: must be names", sp.analyze, model, keys=[1])
         self.assertEqual(sp.analyze(model, keys="peak_gain")["peak_gain"], sp.analyze(model)["peak_gain"])
+        self.assertRaisesText(ValueError, "keys: linear/norms, peak_gian: not in the theory of this model: must be of age_of_information, bounds, ",
+                              sp.analyze, model, keys=["peak_gain", "peak_gian", "linear/norms/mean_l2"])
         self.assertRaisesText(ValueError, "document: 'paper.yaml': must be a dictionary", sp.Model.from_dict, "paper.yaml")
         self.assertRaisesText(ValueError, "1: unknown key", model.replace, {1: 2})
         self.assertRaisesText(ValueError, "collision_probability: <object", sp.analyze, model, collision_probability=object())
@@ -137,6 +139,9 @@ class Theory(ModuleTest):
     def test_keys_may_be_nested_and_are_named_if_missing(self):
         analysis = sp.analyze(sp.Model.load())
         self.assertEqual(analysis["norms.mean_l2"].shape, (20,))
+        self.assertEqual(analysis["norms/mean_l2/3"], analysis["norms.mean_l2"][3])
+        self.assertEqual(sp.analyze(sp.Model.load(), keys=["norms/mean_l2"])["norms/mean_l2/3"], analysis["norms/mean_l2/3"])
+        self.assertRaisesText(KeyError, "norms/mean_l2/20 is missing", lambda: analysis["norms/mean_l2/20"])
         self.assertEqual(analysis["transfer"]["numerator"].dtype, float)
         self.assertRaisesText(KeyError, "norms.median is missing", lambda: analysis["norms.median"])
         self.assertAlmostEqual(analysis.critical_headway, 2.8, places=9)

@@ -17,6 +17,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+def at_path(document: Any, path: str) -> Any:
+    """The value at a path into JSON, "norms/mean_l2/3" or with dots. Raises KeyError. Internal."""
+    for part in path.replace(".", "/").split("/"):
+        if isinstance(document, Mapping) and part in document:
+            document = document[part]
+        elif isinstance(document, (list, np.ndarray)) and part.isdigit() and int(part) < len(document):
+            document = document[int(part)]
+        else:
+            raise KeyError(path)
+    return document
+
+
 class Analysis(Mapping[str, Any]):
     """The results of the theory for a platoon. As a mapping it has the keys of `analyze --json`; lists of numbers are arrays, with
     NaN for values that do not exist."""
@@ -46,13 +58,11 @@ class Analysis(Mapping[str, Any]):
         return os.path.splitext(os.path.basename(self.path))[0]
 
     def __getitem__(self, key: str) -> Any:
-        """The value of a key, also of a nested one: "norms.mean_l2". Raises KeyError."""
-        value: Any = self._document
-        for part in key.split("."):
-            if not isinstance(value, dict) or part not in value:
-                raise KeyError("{}: {} is missing{}".format(self.path, key, self._why_missing(key)))
-            value = value[part]
-        return value
+        """The value of a key, also of a nested one: "norms.mean_l2" or "norms/mean_l2/3". Raises KeyError."""
+        try:
+            return at_path(self._document, key)
+        except KeyError:
+            raise KeyError("{}: {} is missing{}".format(self.path, key, self._why_missing(key))) from None
 
     def _why_missing(self, key: str) -> str:
         if self._document.get("theory") != "none":
@@ -150,13 +160,18 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
 
     `signals`: any of SIGNALS. `collision_probability`: per step; adds collisions, and the standstill distance that
     satisfies it. `burn_in`: steps that the amplification leaves out. `keys`: those of the JSON document that are needed, without a report;
-    others are then null, empty or missing (default: all). Raises ValueError with all problems of the settings.
+    others are then null, empty or missing (default: all). Raises ValueError with all problems of the settings, and for keys that the
+    theory of this model does not have.
     """
     settings = run_settings(followers=followers, steps=steps, burn_in=burn_in)
     probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
-    needed = set(listed(keys, "keys").split(",")) - {""}
+    needed = {key_of(key) for key in listed(keys, "keys").split(",") if key}
     document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability, needed)
-    return Analysis(document, "analysis", report)
+    analysis = Analysis(document, "analysis", report)
+    unknown = sorted(key for key in needed if key not in analysis)
+    if unknown and document.get("theory") != "none":
+        raise ValueError("keys: {}: not in the theory of this model: must be of {}".format(", ".join(unknown), ", ".join(sorted(document))))
+    return analysis
 
 
 @dataclass(frozen=True)

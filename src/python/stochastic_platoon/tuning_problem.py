@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _platoon
 from .model import SIGNALS, Model, handle_of
-from .theory import key_of
+from .theory import at_path, key_of
 
 if TYPE_CHECKING:  # numpy.typing is younger than the NumPy of Debian 11
     from numpy.typing import NDArray
@@ -27,18 +27,6 @@ Progress = Callable[[str, int, float], None]
 AT_LEAST = ("phase_margin", "delay_margin", "string_margin", "critical_delay", "critical_loss_probability", "critical_mean_burst")
 NEAR = 0.02  # violation up to which the search computes the goal
 WORST = 1e12  # above every goal: an infeasible point
-
-
-def at_path(document: Any, path: str) -> Any:
-    """The value at a path into JSON, "norms/mean_l2/3" or with dots. Raises KeyError. Internal."""
-    for part in path.replace(".", "/").split("/"):
-        if isinstance(document, Mapping) and part in document:
-            document = document[part]
-        elif isinstance(document, (list, np.ndarray)) and part.isdigit() and int(part) < len(document):
-            document = document[int(part)]
-        else:
-            raise KeyError(path)
-    return document
 
 
 def figures_of(document: Any, prefix: str = "") -> List[str]:
