@@ -33,8 +33,10 @@ bool tracks_a_ramp(const RampGain& gain, double headway) {
 
 std::string missing_integral_action(const ClosedLoop& loop, const RampGain& gain, double headway) {
   std::string text = formatted(
-      "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = -h for h = %g; here T(1) = %Lg and dT/dz(1) = %Lg",
-      headway, gain.value, gain.slope);
+      "no double integral action: G(z) K(z) must have two poles at z = 1, that is T(1) = 1 and dT/dz(1) = -h for h = %g; here ",
+      headway);
+  text += std::isfinite(gain.slope) ? formatted("T(1) = %Lg and dT/dz(1) = %Lg", gain.value, gain.slope)
+                                    : "T has a pole at z = 1 itself";
   if (!loop.integrators) return text;
   return text + formatted(", as G(z) K(z) has %d pole%s there", std::max(*loop.integrators, 0),
                           *loop.integrators == 1 ? "" : "s");

@@ -2,6 +2,7 @@
 #include "stochastic_platoon/math/model/input.hpp"
 
 #include <algorithm>
+#include <boost/algorithm/string/trim.hpp>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -189,7 +190,8 @@ std::vector<std::string> signal_names(const std::string& text) {
   std::set<std::string> given;
   std::istringstream words(text);
   bool is_list = text.empty() || text.back() != ',';
-  for (std::string word; std::getline(words, word, ',');) is_list = is_list && given.insert(word).second;
+  for (std::string word; std::getline(words, word, ',');)
+    is_list = is_list && given.insert(boost::algorithm::trim_copy(word)).second;
   std::vector<std::string> names;
   for (const SignalKind& kind : signal_kinds()) {
     if (given.count(kind.name) > 0) names.emplace_back(kind.name);

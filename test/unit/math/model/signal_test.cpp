@@ -96,6 +96,7 @@ TEST(Signal, HasAUnit) {
 
 TEST(SignalNames, AreSorted) {
   EXPECT_EQ(signal_names("jerk,gap,speed"), (std::vector<std::string>{"gap", "speed", "jerk"}));
+  EXPECT_EQ(signal_names("speed, gap"), (std::vector<std::string>{"gap", "speed"})) << "as the messages list them";
   EXPECT_TRUE(signal_names("").empty());
 }
 
