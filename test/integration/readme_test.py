@@ -87,6 +87,8 @@ class Commands(unittest.TestCase):
         cls.environment = dict(HOME=cls.home, PATH="/usr/bin:/bin", LANG="C.UTF-8", TERM="dumb", ROS_HOSTNAME="localhost",
                                ROS_MASTER_URI="http://localhost:{}".format(live_platoon.free_port()), REALIZATIONS="1000",
                                PYTHONUNBUFFERED="1")  # otherwise roslaunch buffers its output
+        if "PLATOON_SANITIZED" in os.environ:  # see test/sanitize
+            cls.environment.update({name: value for name, value in os.environ.items() if name == "CXXFLAGS" or name.endswith("SAN_OPTIONS")})
 
     def start(self, line):
         extra = next((extra for begin, extra in self.shorter if line.startswith(begin)), "")
