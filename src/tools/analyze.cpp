@@ -61,11 +61,9 @@ private:
   }
 };
 
-std::vector<platoon::MapPoint> map_of(const platoon::PlatoonModel& model, const platoon::CommandLine& given) {
-  const platoon::MapAxes axes{values_of(given, "sweep_headway"), values_of(given, "sweep_gain"),
-                              values_of(given, "sweep_loss"), values_of(given, "sweep_burst")};
-  if (axes.headways.empty() && axes.losses.empty() && axes.bursts.empty()) return {};
-  return platoon::stability_map(model, axes);
+platoon::MapAxes map_axes(const platoon::CommandLine& given) {
+  return {values_of(given, "sweep_headway"), values_of(given, "sweep_gain"), values_of(given, "sweep_loss"),
+          values_of(given, "sweep_burst")};
 }
 
 }  // namespace
@@ -88,27 +86,33 @@ int analyze_main(int argc, char** argv) {
              ", separated by commas: their moments beside those of the errors; with the speed its amplification"},
         {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"}}});
   try {
+    platoon::Problems problems;
     if (given.has("sweep_gain") && !given.has("sweep_headway"))
-      throw platoon::ConfigurationError({"--sweep-gain: given: must go with --sweep-headway"});
+      problems.add("--sweep-gain: given: must go with --sweep-headway");
     for (const char* target : {"json", "csv"}) {
-      if (given.has(target)) require_replaceable(target, given[target]);
+      if (given.has(target)) problems.check([&] { require_replaceable(target, given[target]); });
     }
     if (given.has("csv") && !given.has("sweep_headway") && !given.has("sweep_loss") && !given.has("sweep_burst"))
-      throw platoon::ConfigurationError({"--csv: given: must go with --sweep-headway, --sweep-loss or --sweep-burst"});
-    const platoon::SignalRequest signals = platoon::signal_request(given["signals"], given["collision_probability"]);
+      problems.add("--csv: given: must go with --sweep-headway, --sweep-loss or --sweep-burst");
+    const auto axes = problems.result_of([&] { return map_axes(given); });
+    const auto signals =
+        problems.result_of([&] { return platoon::signal_request(given["signals"], given["collision_probability"]); });
     std::map<std::string, std::string> settings = given.settings;
     settings.emplace("model", platoon::paper_model_file());
     std::cout << settings["model"] << "\n";
-    const platoon::Configuration configuration =
-        platoon::parse_configuration(platoon::configuration_document(settings));
+    const auto found =
+        problems.result_of([&] { return platoon::parse_configuration(platoon::configuration_document(settings)); });
+    problems.require_none();
+    const platoon::Configuration& configuration = *found;
     const platoon::PlatoonModel& model = configuration.model;
     std::vector<platoon::MapPoint> points;
     platoon::Analysis analysis{};
     {
       StageDisplay display;
       display.begins("stability map");
-      points = map_of(model, given);
-      analysis = platoon::analyze(configuration, signals, [&display](const char* stage) { display.begins(stage); });
+      if (!axes->headways.empty() || !axes->losses.empty() || !axes->bursts.empty())
+        points = platoon::stability_map(model, *axes);
+      analysis = platoon::analyze(configuration, *signals, [&display](const char* stage) { display.begins(stage); });
     }
     std::cout << platoon::report(configuration, analysis);
     nlohmann::json document = platoon::to_json(configuration, analysis);

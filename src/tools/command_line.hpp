@@ -22,6 +22,12 @@ struct CommandLine {
   std::map<std::string, std::string> settings, options;
   std::vector<std::string> words;
 
+  /// The value of the setting, empty if it is not given.
+  std::string setting(const std::string& name) const {
+    const auto found = settings.find(name);
+    return found == settings.end() ? "" : found->second;
+  }
+
   /// Whether the option is given.
   bool has(const std::string& option) const { return options.count(option) > 0; }
 

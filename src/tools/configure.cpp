@@ -87,24 +87,19 @@ std::string absolute_names(const std::string& bags) {
 // Throws ConfigurationError unless `first` and `last` name vehicles of a string of `most`: at least one for followers
 // that outlive launches, while a platoon may leave all its followers to them.
 void require_range(const platoon::CommandLine& line, std::int64_t most, bool kept) {
-  std::vector<std::string> problems;
+  platoon::Problems problems;
   const auto vehicle = [&](const char* key, std::int64_t least, std::int64_t greatest) {
-    try {
-      const std::int64_t number = platoon::integer_of(key, line[key], least, greatest);
-      if (const std::string digits = std::to_string(number); digits != line[key])
-        problems.push_back(std::string(key) + ": " + line[key] + ": must be written " + digits +
-                           ", in digits alone, as launch files read it too (last:= is followers:= by default)");
-      return number;
-    } catch (const platoon::ConfigurationError& error) {
-      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
-      return std::int64_t{1};
-    }
+    const auto number = problems.result_of([&] { return platoon::integer_of(key, line[key], least, greatest); });
+    if (const std::string digits = std::to_string(number.value_or(1)); number && digits != line[key])
+      problems.add(std::string(key) + ": " + line[key] + ": must be written " + digits +
+                   ", in digits alone, as launch files read it too (last:= is followers:= by default)");
+    return number.value_or(1);
   };
   if (line.has("first") && line.has("last")) {
     const std::int64_t first = vehicle("first", 1, kept ? most : most + 1);
     vehicle("last", kept ? first : 0, most);
   }
-  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+  problems.require_none();
 }
 
 // The external vehicles of followers.launch, which may be of any platoon. Throws ConfigurationError.
@@ -282,10 +277,13 @@ int configure_main(int argc, char** argv) {
     platoon::Configuration configuration = bags.files.empty()
                                                ? platoon::parse_configuration(platoon::configuration_document(settings))
                                                : platoon::repeated(bags, not_empty(settings), recorded_leader);
-    require_range(line, static_cast<std::int64_t>(configuration.run.followers), false);
-    require_all_in_one_process(line, configuration.run);
-    require_free_namespace(line, configuration.run);
-    platoon::require_free_recording(configuration.run.record, configuration.run.record_split_mb > 0);
+    const platoon::RunOptions& run = configuration.run;
+    platoon::Problems of_launch;
+    of_launch.check([&] { require_range(line, static_cast<std::int64_t>(run.followers), false); });
+    of_launch.check([&] { require_all_in_one_process(line, run); });
+    of_launch.check([&] { require_free_namespace(line, run); });
+    of_launch.check([&] { platoon::require_free_recording(run.record, run.record_split_mb > 0); });
+    of_launch.require_none();
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
     if (start) configuration.run.first_realization = start->totals.count();

@@ -52,12 +52,16 @@ void write_new(const std::string& file, const std::string& text) {
 
 ShardSettings shard_settings(const CommandLine& given) {
   ShardSettings how;
-  how.threads = threads_of(given);
+  Problems problems;
+  how.threads = problems.result_of([&] { return threads_of(given); }).value_or(1);
   how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
   how.stop = stop_requested;
   how.stop_seconds = 0.5;  // a batch of many vehicles, or a repetition of a splitting, may take minutes
-  if (given.has("checkpoint_seconds"))
-    how.checkpoint_seconds = number_of(option_name("checkpoint_seconds"), given["checkpoint_seconds"], kPositive);
+  problems.check([&] {
+    if (given.has("checkpoint_seconds"))
+      how.checkpoint_seconds = number_of(option_name("checkpoint_seconds"), given["checkpoint_seconds"], kPositive);
+  });
+  problems.require_none();
   return how;
 }
 

@@ -77,6 +77,16 @@ void require_equal(const platoon::RecordedResults& recorded, const std::string& 
   }
 }
 
+// Throws ConfigurationError.
+platoon::Configuration configured(const platoon::CommandLine& given) {
+  std::map<std::string, std::string> settings = given.settings;
+  platoon::add_monte_carlo_batch(settings);
+  platoon::Configuration configuration = platoon::parse_configuration(platoon::configuration_document(settings));
+  if (configuration.run.averaging() == platoon::Averaging::over_time)
+    throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
+  return configuration;
+}
+
 // Writes the trajectories of one realization in place of a run.
 void write_trajectories(const platoon::Configuration& configuration, const std::string& only) {
   const auto last = static_cast<std::int64_t>(configuration.run.realizations) - 1;
@@ -113,33 +123,35 @@ int monte_carlo_main(int argc, char** argv) {
   platoon::ignore_file_size_signal();
   platoon::stop_on_signals();
   try {
-    const platoon::ShardSettings how = platoon::shard_settings(given);
+    platoon::Problems problems;
+    const auto how = problems.result_of([&] { return platoon::shard_settings(given); });
     std::optional<platoon::RecordedResults> recorded;
-    if (given.has("repeat")) recorded = repeated(given["repeat"], given.settings);
-    std::map<std::string, std::string> settings = given.settings;
-    platoon::add_monte_carlo_batch(settings);
-    platoon::Configuration configuration =
-        recorded ? recorded->configuration : platoon::parse_configuration(platoon::configuration_document(settings));
-    configuration.run.hosting = platoon::Hosting::monte_carlo;
-    if (configuration.run.averaging() == platoon::Averaging::over_time)
-      throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
-    if (configuration.run.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    const auto found = problems.result_of([&] {
+      if (!given.has("repeat")) return configured(given);
+      recorded = repeated(given["repeat"], given.settings);
+      return recorded->configuration;
+    });
+    if (given.setting("output").empty()) problems.add("output: (empty): must be a folder");
     if (given.has("only") != given.has("trajectories"))
-      throw platoon::ConfigurationError({std::string(given.has("only") ? "only" : "trajectories") +
-                                         ": given: must be with --only and --trajectories"});
-    if (given.has("only") && given.has("shard"))
-      throw platoon::ConfigurationError({"shard: given: must be absent beside only"});
+      problems.add(std::string(given.has("only") ? "only" : "trajectories") +
+                   ": given: must be with --only and --trajectories");
+    for (const char* other : {"only", "repeat"}) {
+      if (given.has(other) && given.has("shard"))
+        problems.add(std::string("shard: given: must be absent beside ") + other);
+    }
+    problems.require_none();
+    platoon::Configuration configuration = *found;
+    configuration.run.hosting = platoon::Hosting::monte_carlo;
     if (given.has("only")) {
       write_trajectories(configuration, given["only"]);
       return 0;
     }
-    if (recorded && given.has("shard"))
-      throw platoon::ConfigurationError({"shard: given: must be absent beside repeat"});
     const bool complete =
         given.has("shard")
             ? platoon::run_shard({configuration, platoon::parse_shard(given["shard"], configuration.run.realizations)},
-                                 how, platoon::batch_work(configuration.model, platoon::ensemble_of(configuration.run)))
-            : run_whole(configuration, how);
+                                 *how,
+                                 platoon::batch_work(configuration.model, platoon::ensemble_of(configuration.run)))
+            : run_whole(configuration, *how);
     if (!complete) return platoon::kInterrupted;
     if (recorded) require_equal(*recorded, configuration.run.output, given["repeat"]);
     return 0;

@@ -59,7 +59,8 @@ platoon::RareRun prepared(const Arguments&... of) {
 
 // The configuration with the value of the key that satisfies the requirement.
 platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, const platoon::Configuration& base,
-                                  const platoon::RareOptions& options, const platoon::CommandLine& given) {
+                                  const platoon::RareOptions& options, const platoon::ShardSettings& how,
+                                  const platoon::CommandLine& given) {
   const auto with = [&](double value) {
     YAML::Node document = platoon::configuration_document(given.settings);
     platoon::override_value(document, requirement.over, YAML::Node(platoon::formatted("%.17g", value)));
@@ -69,7 +70,6 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
   };
   const platoon::VehicleModel& vehicle = base.model.default_vehicle();
   const std::string per = requirement.per_hour ? " per hour" : " per run";
-  const platoon::ShardSettings how = platoon::shard_settings(given);
   const double present = requirement.over == "time_headway" ? vehicle.headway : vehicle.standstill_distance;
   const double value = platoon::required_value(
       requirement, present > 0.0 ? present : 1.0, [&](double of) { return prepared(with(of), options, how.threads); },
@@ -88,14 +88,14 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
 
 // Shards have all settings but the output, and all options but the speed.
 void require_no_others(const platoon::CommandLine& given) {
-  std::vector<std::string> problems;
+  platoon::Problems problems;
   for (const auto* entries : {&given.settings, &given.options}) {
     for (const auto& entry : *entries) {
       if (entry.first != "output" && entry.first != "speed")
-        problems.push_back(entry.first + ": given: must be absent beside shards, whose own it is");
+        problems.add(entry.first + ": given: must be absent beside shards, whose own it is");
     }
   }
-  if (!problems.empty()) throw platoon::ConfigurationError(problems);
+  problems.require_none();
 }
 
 void merge_into(const platoon::CommandLine& given) {
@@ -147,34 +147,40 @@ int rare_main(int argc, char** argv) {
   platoon::ignore_file_size_signal();
   platoon::stop_on_signals();
   try {
-    if (given.settings.count("output") == 0) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
+    platoon::Problems problems;
+    if (given.setting("output").empty()) problems.add("output: (empty): must be a folder");
     if (!given.words.empty()) {
+      problems.require_none();
       merge_into(given);
       return 0;
     }
-    platoon::Configuration configuration =
-        platoon::parse_configuration(platoon::configuration_document(given.settings));
+    const auto found = problems.result_of(
+        [&] { return platoon::parse_configuration(platoon::configuration_document(given.settings)); });
+    const auto options = problems.result_of([&] { return platoon::rare_options(given.options); });
+    const auto asked = problems.result_of([&] { return platoon::rare_requirement(given.options); });
+    const auto how = problems.result_of([&] { return platoon::shard_settings(given); });
+    for (const char* name : {"vehicle", "only"}) {
+      if (given.has(name) && !given.has("trajectories"))
+        problems.add(std::string(name) + ": given: must be with --trajectories");
+    }
+    if (given.has("shard") && given.has("trajectories"))
+      problems.add("shard: given: must be absent beside trajectories");
+    problems.require_none();
+    const std::optional<platoon::RareRequirement>& requirement = *asked;
+    platoon::Configuration configuration = *found;
     configuration.run.hosting = platoon::Hosting::monte_carlo;
-    const platoon::RareOptions options = platoon::rare_options(given.options);
-    const auto requirement = platoon::rare_requirement(given.options);
     if (requirement && !given.has("trajectories")) platoon::require_no_rare_results(configuration.run.output);
-    if (requirement) configuration = fulfilling(*requirement, configuration, options, given);
-    const platoon::ShardSettings how = platoon::shard_settings(given);
-    const platoon::RareRun run = prepared(configuration, options, how.threads);
+    if (requirement) configuration = fulfilling(*requirement, configuration, *options, *how, given);
+    const platoon::RareRun run = prepared(configuration, *options, how->threads);
     if (!requirement) platoon::require_an_estimate(run);
     if (given.has("trajectories")) {
-      if (given.has("shard")) throw platoon::ConfigurationError({"shard: given: must be absent beside trajectories"});
       write_trajectories(run, given["vehicle"], given["only"]);
       return 0;
     }
-    for (const char* name : {"vehicle", "only"}) {
-      if (given.has(name))
-        throw platoon::ConfigurationError({std::string(name) + ": given: must be with --trajectories"});
-    }
     const bool complete =
         given.has("shard")
-            ? platoon::run_shard(run.shard(platoon::parse_shard(given["shard"], run.samples())), how, run.work())
-            : run_whole(run, how);
+            ? platoon::run_shard(run.shard(platoon::parse_shard(given["shard"], run.samples())), *how, run.work())
+            : run_whole(run, *how);
     return complete ? 0 : platoon::kInterrupted;
   } catch (const platoon::Interrupted&) {
     std::cout << "rare: stopped after 0 realizations: the same command begins again\n";

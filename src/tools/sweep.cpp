@@ -86,17 +86,21 @@ int sweep_main(int argc, char** argv) {
   platoon::ignore_file_size_signal();
   try {
     if (given.words.size() != 1) throw platoon::ConfigurationError({"sweep FILE --output DIR: must be given one file"});
-    const platoon::Sweep sweep = platoon::read_sweep(given.words.front(), given.settings);
     const std::string task = given["task"];
+    platoon::Problems problems;
+    const auto found = problems.result_of([&] { return platoon::read_sweep(given.words.front(), given.settings); });
+    const auto threads = problems.result_of([&] { return platoon::threads_of(given); });
+    if (given["output"].empty() && task != "count") problems.add("output: (empty): must be a folder");
+    problems.require_none();
+    const platoon::Sweep& sweep = *found;
     if (task == "count") {
       std::cout << sweep.tasks() << "\n";
       return 0;
     }
     platoon::SweepSettings settings;
     settings.output = given["output"];
-    settings.threads = platoon::threads_of(given);
+    settings.threads = *threads;
     settings.warn = warn;
-    if (settings.output.empty()) throw platoon::ConfigurationError({"output: (empty): must be a folder"});
     if (!task.empty() && task != "merge") {
       run_task(sweep, task, settings);
       return 0;

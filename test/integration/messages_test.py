@@ -68,6 +68,16 @@ class Rejected(FolderTest):
         for name, value, said in table("options.yaml"):
             self.check(said, **{name: value})
 
+    def test_all_faults_of_a_command_are_named_at_once(self):
+        for program, words, options, said in table("programs.yaml"):
+            with self.subTest(program=program):
+                done = live_platoon.tool(program, *words, **options)
+                self.assertEqual(done.returncode, 1, done.stdout)
+                first, *problems = done.stderr.strip().split("\n")
+                self.assertTrue(first.endswith("/{}: {} errors:".format(program, len(said))), done.stderr)
+                for message in said:
+                    self.assertEqual(sum(message in line for line in problems), 1, (message, problems))
+
     def test_what_is_very_long(self):
         for row in LONG:
             self.check_model(base("paper.yaml"), *row)

@@ -19,6 +19,10 @@ std::string listed(const std::vector<std::string>& problems) {
 ConfigurationError::ConfigurationError(std::vector<std::string> problems)
     : std::runtime_error(listed(problems)), problems_(std::move(problems)) {}
 
+void Problems::require_none() const {
+  if (!all_.empty()) throw ConfigurationError(all_);
+}
+
 std::vector<std::string> abbreviated(std::vector<std::string> problems) {
   constexpr std::size_t kMost = 20;
   if (problems.size() <= kMost) return problems;

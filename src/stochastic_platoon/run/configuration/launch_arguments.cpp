@@ -110,18 +110,13 @@ std::vector<std::string> undeclared_arguments(const std::vector<std::string>& co
 }
 
 std::vector<std::string> ineffective_arguments(std::map<std::string, std::string> given) {
-  std::vector<std::string> problems;
+  Problems problems;
   const auto number = [&](const char* option, const char* name, double otherwise) {
     if (given[option].empty()) return otherwise;
-    try {
-      return number_of(name, given[option], kNotNegative);
-    } catch (const ConfigurationError& error) {
-      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
-      return otherwise;
-    }
+    return problems.result_of([&] { return number_of(name, given[option], kNotNegative); }).value_or(otherwise);
   };
   const auto reject = [&](bool is_given, const std::string& name, const std::string& allowed) {
-    if (is_given) problems.push_back(name + ": given: must be " + allowed);
+    if (is_given) problems.add(name + ": given: must be " + allowed);
   };
   constexpr double kPatience = 60.0;  // default of replay.launch [s]
   const std::string drive = given["drive"], prefix = "vehicle_", external = given["external"];
@@ -134,15 +129,14 @@ std::vector<std::string> ineffective_arguments(std::map<std::string, std::string
   reject(!all && is_true(given["pause"]), "pause", without);
   reject(number("patience", "patience", kPatience) != kPatience && !one, "patience", "with drive:=vehicle_N");
   reject(all && !external.empty(), "external", "with drive:=leader or drive:=vehicle_N");
-  if (!one) return problems;
+  if (!one) return problems.all();
   reject(rate != 0.0, "rate", without + ", as the vehicle is driven as fast as it answers");
   for (const char* name : {"dashboard", "stay"})
     reject(is_true(given[name]), name, without + ", which ends with a verdict");
   reject(!given["output"].empty(), "output", without + ", which has no results but a verdict");
   if (const std::string vehicle = drive.substr(prefix.size()); !external.empty() && external != vehicle)
-    problems.push_back("external: " + printable(external) + ": must be " + vehicle +
-                       ", the replayed vehicle, or empty");
-  return problems;
+    problems.add("external: " + printable(external) + ": must be " + vehicle + ", the replayed vehicle, or empty");
+  return problems.all();
 }
 
 bool is_true(const std::string& text) {

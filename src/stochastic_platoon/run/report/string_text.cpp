@@ -1,6 +1,7 @@
 #include "stochastic_platoon/run/report/string_text.hpp"
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 #include "stochastic_platoon/math/model/input.hpp"
@@ -25,18 +26,19 @@ std::string inputs_text(const VehicleModel& of) {
   return text;
 }
 
-/// ", hears ..."; several types by their names, or the first of many.
+/// ", hears ..."; unlike types by their names, or the first of many.
 std::string hears_text(const PlatoonModel& model) {
   constexpr std::size_t kMost = 4;
-  std::vector<std::size_t> types = type_order(model);
-  std::sort(types.begin(), types.end());
-  types.erase(std::unique(types.begin(), types.end()), types.end());
-  if (types.size() == 1) return ", hears " + inputs_text(model.types[types.front()].vehicle);
-  const std::size_t shown = types.size() > kMost ? kMost / 2 : types.size();
+  std::map<std::size_t, std::string> texts;
+  for (const std::size_t type : type_order(model)) texts[type] = " hears " + inputs_text(model.types[type].vehicle);
+  const std::string& first = texts.begin()->second;
+  if (std::all_of(texts.begin(), texts.end(), [&first](const auto& of) { return of.second == first; }))
+    return "," + first;
+  const std::size_t shown = texts.size() > kMost ? kMost / 2 : texts.size();
   std::string text;
-  for (std::size_t t = 0; t < shown; ++t)
-    text += ", " + model.types[types[t]].name + " hears " + inputs_text(model.types[types[t]].vehicle);
-  return shown < types.size() ? text + formatted(", and %zu other types", types.size() - shown) : text;
+  auto next = texts.begin();
+  for (std::size_t t = 0; t < shown; ++t, ++next) text += ", " + model.types[next->first].name + next->second;
+  return shown < texts.size() ? text + formatted(", and %zu other types", texts.size() - shown) : text;
 }
 
 }  // namespace

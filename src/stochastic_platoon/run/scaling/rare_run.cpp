@@ -57,23 +57,18 @@ BatchWork RareRun::work() const {
 }
 
 RareOptions rare_options(const std::map<std::string, std::string>& given) {
-  std::vector<std::string> problems;
+  Problems problems;
   const auto read = [&](const std::string& name, const Allowed& allowed, double none) {
     const auto found = given.find(name);
     if (found == given.end()) return none;
-    try {
-      return number_of(name, found->second, allowed);
-    } catch (const ConfigurationError& error) {
-      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
-      return none;
-    }
+    return problems.result_of([&] { return number_of(name, found->second, allowed); }).value_or(none);
   };
   RareOptions options{read("below", kAnyFinite, 0.0), kAuto, {}};
   if (const double speed = read("speed", kPositive, 0.0); speed > 0.0) options.speed = speed;
   if (const auto method = given.find("method"); method != given.end()) options.method = method->second;
   if (options.method != kAuto && options.method != kCondition && options.method != kSplit)
-    problems.push_back("method: " + shortened(options.method) + ": must be auto, condition or split");
-  if (!problems.empty()) throw ConfigurationError(problems);
+    problems.add("method: " + shortened(options.method) + ": must be auto, condition or split");
+  problems.require_none();
   return options;
 }
 
@@ -125,20 +120,21 @@ std::optional<RareRequirement> rare_requirement(const std::map<std::string, std:
     return found == given.end() ? std::string(otherwise) : found->second;
   };
   const std::string per = text("per", "run"), over = text("over", kDistance);
-  std::vector<std::string> problems;
+  Problems problems;
   if (given.count("required") == 0) {
     for (const char* name : {"per", "over"}) {
-      if (given.count(name) > 0) problems.push_back(std::string(name) + ": given: must be with required");
+      if (given.count(name) > 0) problems.add(std::string(name) + ": given: must be with required");
     }
-    if (!problems.empty()) throw ConfigurationError(problems);
+    problems.require_none();
     return std::nullopt;
   }
-  if (per != "run" && per != "hour") problems.push_back("per: " + shortened(per) + ": must be run or hour");
+  if (per != "run" && per != "hour") problems.add("per: " + shortened(per) + ": must be run or hour");
   if (over != kDistance && over != kHeadway)
-    problems.push_back("over: " + shortened(over) + ": must be " + kDistance + " or " + kHeadway);
-  if (!problems.empty()) throw ConfigurationError(problems);
-  const Allowed probability{"above 0 and below 1", kAboveZero, 1.0, 1.0};
-  return RareRequirement{number_of("required", text("required", ""), probability), per == "hour", over};
+    problems.add("over: " + shortened(over) + ": must be " + kDistance + " or " + kHeadway);
+  const Allowed allowed{"above 0 and below 1", kAboveZero, 1.0, 1.0};
+  const auto probability = problems.result_of([&] { return number_of("required", text("required", ""), allowed); });
+  problems.require_none();
+  return RareRequirement{*probability, per == "hour", over};
 }
 
 double required_value(const RareRequirement& requirement, double start,

@@ -15,6 +15,26 @@ TEST(ConfigurationError, ListsSeveralProblems) {
   EXPECT_EQ(error.problems(), (std::vector<std::string>{"a: 1: must be 2", "b: 3: must be 4"}));
 }
 
+TEST(Problems, AreThoseOfAllSteps) {
+  Problems problems;
+  EXPECT_EQ(problems.result_of([] { return 3; }), 3);
+  problems.require_none();
+  const auto failing = []() -> int { throw ConfigurationError({"a: 1: must be 2", "b: 3: must be 4"}); };
+  EXPECT_EQ(problems.result_of(failing), std::nullopt);
+  problems.add("c: 5: must be 6");
+  problems.check([] {});
+  problems.check([] { throw ConfigurationError({"d: 7: must be 8"}); });
+  EXPECT_THROW(problems.check([] { throw std::runtime_error("the disk is full"); }), std::runtime_error);
+  const std::vector<std::string> all{"a: 1: must be 2", "b: 3: must be 4", "c: 5: must be 6", "d: 7: must be 8"};
+  EXPECT_EQ(problems.all(), all);
+  try {
+    problems.require_none();
+    FAIL() << "must throw";
+  } catch (const ConfigurationError& error) {
+    EXPECT_EQ(error.problems(), all);
+  }
+}
+
 TEST(ConfigurationError, NamesTwentyProblemsAndCountsTheOthers) {
   std::vector<std::string> problems(20, "a: 1: must be 2");
   EXPECT_EQ(abbreviated(problems), problems);

@@ -102,7 +102,8 @@ TEST(Analysis, NamesWhatTheVehiclesOfTheStringHave) {
   EXPECT_EQ(string_text(model), "h = 0.24 to 0.28 s (2.4 to 2.8 sample periods), P_d = 0.6 to 4 m^2");
   model.types[1].vehicle.constant_spacing = true;
   model.types[1].vehicle.standstill_distance = 9.2;
-  EXPECT_EQ(string_text(model), "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, P_d = 0.6 to 4 m^2");
+  EXPECT_EQ(string_text(model),
+            "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, hears position of vehicle i-1 (1)");
   model.types[1].vehicle.inputs.push_back({});
   model.types[1].vehicle.inputs.back().ahead = 2;
   model.types[1].vehicle.inputs.back().gain = 0.25;
