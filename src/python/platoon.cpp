@@ -41,12 +41,14 @@ using Settings = std::map<std::string, std::string>;
 // With keys, only these are computed, without a report.
 py::tuple analyze_model(const Model& model, const Settings& settings, const std::string& signals,
                         const std::string& collision_probability, const std::set<std::string>& keys) {
-  const Configuration configuration = model.configuration(settings);
-  const SignalRequest request = signal_request(signals, collision_probability);
+  Problems problems;
+  const auto configuration = problems.result_of([&] { return model.configuration(settings); });
+  const auto request = problems.result_of([&] { return signal_request(signals, collision_probability); });
+  problems.require_none();
   const auto [document, text] = unlocked([&] {
     const Analysis analysis = analyze(
-        configuration, request, [](const char*) {}, keys);
-    return std::pair(to_json(configuration, analysis), keys.empty() ? report(configuration, analysis) : "");
+        *configuration, *request, [](const char*) {}, keys);
+    return std::pair(to_json(*configuration, analysis), keys.empty() ? report(*configuration, analysis) : "");
   });
   return py::make_tuple(object_of(document), text);
 }
@@ -114,13 +116,16 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
 py::tuple rare_of(const Model& model, const Settings& settings, const Settings& options, unsigned threads,
                   double checkpoint_seconds, const std::function<void(std::uint64_t, std::uint64_t)>& progress,
                   const std::function<void(std::string)>& warn) {
-  Configuration configuration = model.configuration(settings);
+  Problems problems;
+  const auto found = problems.result_of([&] { return model.configuration(settings); });
+  const auto given = problems.result_of([&] { return rare_options(options); });
+  problems.require_none();
+  Configuration configuration = *found;
   configuration.run.hosting = Hosting::monte_carlo;
-  const RareOptions given = rare_options(options);
   std::uint64_t samples = 0;
   Supervision supervised(
       threads, checkpoint_seconds, [&](std::uint64_t done) { progress(done, samples); }, warn);
-  const RareRun run = unlocked([&] { return rare_run(configuration, given, supervised.how.threads); });
+  const RareRun run = unlocked([&] { return rare_run(configuration, *given, supervised.how.threads); });
   require_an_estimate(run);
   samples = run.samples();
   const RareResult result = unlocked([&] { return compute_rare(run, supervised.how); });

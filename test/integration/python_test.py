@@ -84,6 +84,10 @@ class Models(ModuleTest):
         self.assertRaisesText(ValueError, "signals: 5: must be names", sp.analyze, model, signals=5)
         self.assertRaisesText(ValueError, "keys: [1]: must be names", sp.analyze, model, keys=[1])
         self.assertEqual(sp.analyze(model, keys="peak_gain")["peak_gain"], sp.analyze(model)["peak_gain"])
+        for text in ("2 errors:\n  run/followers: 0: must be", "\n  signals: distance: must be some of"):
+            self.assertRaisesText(ValueError, text, sp.analyze, model, followers=0, signals="distance")
+        for text in ("2 errors:\n  run/followers: 0: must be", "\n  method: guess: must be"):
+            self.assertRaisesText(ValueError, text, sp.rare, model, followers=0, method="guess")
         self.assertRaisesText(ValueError, "keys: linear/norms, peak_gian: not in the theory of this model: must be of age_of_information, bounds, ",
                               sp.analyze, model, keys=["peak_gain", "peak_gian", "linear/norms/mean_l2"])
         self.assertRaisesText(ValueError, "document: 'paper.yaml': must be a dictionary", sp.Model.from_dict, "paper.yaml")
