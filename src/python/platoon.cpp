@@ -41,7 +41,7 @@ using Settings = std::map<std::string, std::string>;
 // With keys, only these are computed, without a report.
 py::tuple analyze_model(const Model& model, const Settings& settings, const std::string& signals,
                         const std::string& collision_probability, const std::set<std::string>& keys) {
-  Problems problems;
+  ProblemCollector problems;
   const auto configuration = problems.result_of([&] { return model.configuration(settings); });
   const auto request = problems.result_of([&] { return signal_request(signals, collision_probability); });
   problems.require_none();
@@ -116,7 +116,7 @@ py::tuple monte_carlo_of(const Model& model, Settings settings, unsigned threads
 py::tuple rare_of(const Model& model, const Settings& settings, const Settings& options, unsigned threads,
                   double checkpoint_seconds, const std::function<void(std::uint64_t, std::uint64_t)>& progress,
                   const std::function<void(std::string)>& warn) {
-  Problems problems;
+  ProblemCollector problems;
   const auto found = problems.result_of([&] { return model.configuration(settings); });
   const auto given = problems.result_of([&] { return rare_options(options); });
   problems.require_none();

@@ -86,7 +86,7 @@ int analyze_main(int argc, char** argv) {
              ", separated by commas: their moments beside those of the errors; with the speed its amplification"},
         {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"}}});
   try {
-    platoon::Problems problems;
+    platoon::ProblemCollector problems;
     if (given.has("sweep_gain") && !given.has("sweep_headway"))
       problems.add("--sweep-gain: given: must go with --sweep-headway");
     for (const char* target : {"json", "csv"}) {

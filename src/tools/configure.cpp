@@ -87,7 +87,7 @@ std::string absolute_names(const std::string& bags) {
 // Throws ConfigurationError unless `first` and `last` name vehicles of a string of `most`: at least one for followers
 // that outlive launches, while a platoon may leave all its followers to them.
 void require_range(const platoon::CommandLine& line, std::int64_t most, bool kept) {
-  platoon::Problems problems;
+  platoon::ProblemCollector problems;
   const auto vehicle = [&](const char* key, std::int64_t least, std::int64_t greatest) {
     const auto number = problems.result_of([&] { return platoon::integer_of(key, line[key], least, greatest); });
     if (const std::string digits = std::to_string(number.value_or(1)); number && digits != line[key])
@@ -278,7 +278,7 @@ int configure_main(int argc, char** argv) {
                                                ? platoon::parse_configuration(platoon::configuration_document(settings))
                                                : platoon::repeated(bags, not_empty(settings), recorded_leader);
     const platoon::RunOptions& run = configuration.run;
-    platoon::Problems of_launch;
+    platoon::ProblemCollector of_launch;
     of_launch.check([&] { require_range(line, static_cast<std::int64_t>(run.followers), false); });
     of_launch.check([&] { require_all_in_one_process(line, run); });
     of_launch.check([&] { require_free_namespace(line, run); });

@@ -52,7 +52,7 @@ void write_new(const std::string& file, const std::string& text) {
 
 ShardSettings shard_settings(const CommandLine& given) {
   ShardSettings how;
-  Problems problems;
+  ProblemCollector problems;
   how.threads = problems.result_of([&] { return threads_of(given); }).value_or(1);
   how.warn = [](const std::string& warning) { std::cerr << warning << "\n"; };
   how.stop = stop_requested;

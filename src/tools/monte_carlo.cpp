@@ -123,7 +123,7 @@ int monte_carlo_main(int argc, char** argv) {
   platoon::ignore_file_size_signal();
   platoon::stop_on_signals();
   try {
-    platoon::Problems problems;
+    platoon::ProblemCollector problems;
     const auto how = problems.result_of([&] { return platoon::shard_settings(given); });
     std::optional<platoon::RecordedResults> recorded;
     const auto found = problems.result_of([&] {

@@ -88,7 +88,7 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
 
 // Shards have all settings but the output, and all options but the speed.
 void require_no_others(const platoon::CommandLine& given) {
-  platoon::Problems problems;
+  platoon::ProblemCollector problems;
   for (const auto* entries : {&given.settings, &given.options}) {
     for (const auto& entry : *entries) {
       if (entry.first != "output" && entry.first != "speed")
@@ -147,7 +147,7 @@ int rare_main(int argc, char** argv) {
   platoon::ignore_file_size_signal();
   platoon::stop_on_signals();
   try {
-    platoon::Problems problems;
+    platoon::ProblemCollector problems;
     if (given.setting("output").empty()) problems.add("output: (empty): must be a folder");
     if (!given.words.empty()) {
       problems.require_none();

@@ -87,7 +87,7 @@ int sweep_main(int argc, char** argv) {
   try {
     if (given.words.size() != 1) throw platoon::ConfigurationError({"sweep FILE --output DIR: must be given one file"});
     const std::string task = given["task"];
-    platoon::Problems problems;
+    platoon::ProblemCollector problems;
     const auto found = problems.result_of([&] { return platoon::read_sweep(given.words.front(), given.settings); });
     const auto threads = problems.result_of([&] { return platoon::threads_of(given); });
     if (given["output"].empty() && task != "count") problems.add("output: (empty): must be a folder");

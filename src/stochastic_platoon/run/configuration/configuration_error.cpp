@@ -19,7 +19,7 @@ std::string listed(const std::vector<std::string>& problems) {
 ConfigurationError::ConfigurationError(std::vector<std::string> problems)
     : std::runtime_error(listed(problems)), problems_(std::move(problems)) {}
 
-void Problems::require_none() const {
+void ProblemCollector::require_none() const {
   if (!all_.empty()) throw ConfigurationError(all_);
 }
 

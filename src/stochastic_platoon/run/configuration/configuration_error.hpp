@@ -18,7 +18,7 @@ private:
 };
 
 /// The problems of several steps, for one ConfigurationError.
-class Problems {
+class ProblemCollector {
 public:
   void add(const std::string& problem) { all_.push_back(problem); }
   void add(const std::vector<std::string>& problems) { all_.insert(all_.end(), problems.begin(), problems.end()); }

@@ -110,7 +110,7 @@ std::vector<std::string> undeclared_arguments(const std::vector<std::string>& co
 }
 
 std::vector<std::string> ineffective_arguments(std::map<std::string, std::string> given) {
-  Problems problems;
+  ProblemCollector problems;
   const auto number = [&](const char* option, const char* name, double otherwise) {
     if (given[option].empty()) return otherwise;
     return problems.result_of([&] { return number_of(name, given[option], kNotNegative); }).value_or(otherwise);

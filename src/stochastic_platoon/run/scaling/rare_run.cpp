@@ -57,7 +57,7 @@ BatchWork RareRun::work() const {
 }
 
 RareOptions rare_options(const std::map<std::string, std::string>& given) {
-  Problems problems;
+  ProblemCollector problems;
   const auto read = [&](const std::string& name, const Allowed& allowed, double none) {
     const auto found = given.find(name);
     if (found == given.end()) return none;
@@ -120,7 +120,7 @@ std::optional<RareRequirement> rare_requirement(const std::map<std::string, std:
     return found == given.end() ? std::string(otherwise) : found->second;
   };
   const std::string per = text("per", "run"), over = text("over", kDistance);
-  Problems problems;
+  ProblemCollector problems;
   if (given.count("required") == 0) {
     for (const char* name : {"per", "over"}) {
       if (given.count(name) > 0) problems.add(std::string(name) + ": given: must be with required");

@@ -15,8 +15,8 @@ TEST(ConfigurationError, ListsSeveralProblems) {
   EXPECT_EQ(error.problems(), (std::vector<std::string>{"a: 1: must be 2", "b: 3: must be 4"}));
 }
 
-TEST(Problems, AreThoseOfAllSteps) {
-  Problems problems;
+TEST(ProblemCollector, AreThoseOfAllSteps) {
+  ProblemCollector problems;
   EXPECT_EQ(problems.result_of([] { return 3; }), 3);
   problems.require_none();
   const auto failing = []() -> int { throw ConfigurationError({"a: 1: must be 2", "b: 3: must be 4"}); };
