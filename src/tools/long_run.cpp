@@ -8,7 +8,6 @@
 #include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
-#include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
@@ -65,9 +64,19 @@ ShardSettings shard_settings(const CommandLine& given) {
   return how;
 }
 
-bool reported(const std::string& name, std::uint64_t done, std::uint64_t of) {
+ProgressDisplay display_of(const ShardRun& run) {
+  const RunOptions& options = run.configuration.run;
+  const std::uint64_t samples = run.range().size();
+  if (run.rare.is_object()) return {samples, run.unit(), 1.0, run.unit()};
+  return {samples, run.unit(), static_cast<double>(options.followers) * static_cast<double>(options.steps),
+          "vehicle-steps"};
+}
+
+bool reported(const std::string& name, std::uint64_t done, const ShardRun& run) {
+  const std::uint64_t of = run.range().size();
   if (done < of)
-    std::cout << name << ": stopped after " << done << " of " << of << " realizations: the same command continues\n";
+    std::cout << name << ": stopped after " << done << " of " << of << " " << run.unit()
+              << ": the same command continues\n";
   return done == of;
 }
 
@@ -78,18 +87,17 @@ bool run_shard(ShardRun run, ShardSettings settings, const BatchWork& computatio
   options.launch_id = name;
   const std::unique_ptr<FolderLock> lock = lock_output(options);
   const RealizationRange range = run.range();
-  ProgressDisplay display(range.size(), "realizations",
-                          static_cast<double>(options.followers) * static_cast<double>(options.steps), "vehicle-steps");
+  ProgressDisplay display = display_of(run);
   settings.progress = [&display](std::uint64_t done) { display.update(done, now()); };
   const auto [checkpoint, computed, unsaved] = compute_shard(run, settings, computation);
   display.finish();
   if (!unsaved.empty()) throw std::runtime_error(unsaved);
   const std::uint64_t done = checkpoint.totals.count();
   if (done == range.size()) {
-    std::cout << name << ": complete: realizations " << range.first << " to " << range.end - 1 << " of "
+    std::cout << name << ": complete: " << run.unit() << " " << range.first << " to " << range.end - 1 << " of "
               << run.samples() << ", " << computed << " of them computed now: " << options.output << "\n";
   }
-  return reported(name, done, range.size());
+  return reported(name, done, run);
 }
 
 }  // namespace platoon

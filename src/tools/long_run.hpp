@@ -3,6 +3,7 @@
 #include <string>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "tools/command_line.hpp"
 
@@ -30,8 +31,11 @@ ShardSettings shard_settings(const CommandLine& given);
 /// The help of the options that these tools share.
 extern const char *const kThreadsHelp, *const kShardHelp, *const kCheckpointHelp;
 
-/// Prints that a run is incomplete. Returns whether all realizations are done.
-bool reported(const std::string& name, std::uint64_t done, std::uint64_t of);
+/// The display of a shard's progress; 0/1 is the whole run. A sample of a RareRun is no fixed number of vehicle-steps.
+ProgressDisplay display_of(const ShardRun& run);
+
+/// Prints that a shard is incomplete. Returns whether all its samples are done.
+bool reported(const std::string& name, std::uint64_t done, const ShardRun& run);
 
 /// Computes a shard with a display of its progress. Returns whether it is complete.
 bool run_shard(ShardRun run, ShardSettings settings, const BatchWork& computation);

@@ -11,7 +11,6 @@
 #include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
-#include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
@@ -23,14 +22,10 @@
 
 namespace {
 
-platoon::ProgressDisplay display_of(const platoon::RunOptions& run, std::uint64_t realizations) {
-  return {realizations, "realizations", static_cast<double>(run.followers) * static_cast<double>(run.steps),
-          "vehicle-steps"};
-}
-
 // Returns whether the run is complete.
 bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettings settings) {
-  platoon::ProgressDisplay display = display_of(configuration.run, configuration.run.realizations);
+  const platoon::ShardRun whole{configuration, {0, 1}};
+  platoon::ProgressDisplay display = platoon::display_of(whole);
   settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
   const platoon::WholeRun run = platoon::compute_run(configuration, settings);
   display.finish();
@@ -40,7 +35,7 @@ bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettin
   if (!run.unsaved.empty()) throw std::runtime_error(run.unsaved);
   if (run.result.realizations > 0)
     std::cout << "Results: " << configuration.run.output << "/statistics.csv and summary.json\n";
-  return platoon::reported("monte_carlo", run.result.realizations, configuration.run.realizations);
+  return platoon::reported("monte_carlo", run.result.realizations, whole);
 }
 
 /// The configuration in the summary of a run, with another output folder. Throws ConfigurationError if it cannot be

@@ -23,15 +23,14 @@ namespace {
 
 // Returns whether the estimation is complete.
 bool run_whole(const platoon::RareRun& run, platoon::ShardSettings settings) {
-  const platoon::RunOptions& options = run.configuration.run;
-  platoon::ProgressDisplay display(run.samples(), run.options.method == "split" ? "repetitions" : "realizations",
-                                   static_cast<double>(options.followers) * static_cast<double>(options.steps),
-                                   "vehicle-steps");
+  const platoon::ShardRun whole = run.shard({0, 1});
+  platoon::ProgressDisplay display = platoon::display_of(whole);
   settings.progress = [&display](std::uint64_t done) { display.update(done, platoon::now()); };
   const platoon::RareResult result = platoon::compute_rare(run, settings);
   display.finish();
-  const bool complete = platoon::reported("rare", result.samples, run.samples());
-  if (complete) std::cout << result.report << "Results: " << options.output << "/rare.csv and rare.json\n";
+  const bool complete = platoon::reported("rare", result.samples, whole);
+  if (complete)
+    std::cout << result.report << "Results: " << run.configuration.run.output << "/rare.csv and rare.json\n";
   return complete;
 }
 

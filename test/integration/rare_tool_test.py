@@ -162,6 +162,8 @@ class Estimations(RareTest):
                 process.send_signal(number)
                 output, errors = process.communicate(timeout=60)
                 self.assertEqual(process.returncode, status, output + errors)
+                if status == 130:
+                    self.assertIn("of 20 repetitions: the same" if method == "split" else "of 60000 realizations: the same", output)
                 self.assertFalse(os.path.exists(os.path.join(self.path(name), "rare.csv")))
                 self.estimate(name, **options)
                 self.assertEqual(self.content(name), self.content(method + "_whole"))

@@ -32,8 +32,8 @@ void require_same_shard(const Checkpoint& found, const ShardRun& run) {
   if (there.shard.index == run.shard.index && there.shard.of == run.shard.of && there.samples() == run.samples())
     return;
   throw ConfigurationError({"output: " + output + ": holds " + name_of(there.shard) + " of " +
-                            std::to_string(there.samples()) + " realizations, and this is " + name_of(run.shard) +
-                            " of " + std::to_string(run.samples()) + ": must be another folder"});
+                            std::to_string(there.samples()) + " " + there.unit() + ", and this is " +
+                            name_of(run.shard) + " of " + std::to_string(run.samples()) + ": must be another folder"});
 }
 
 // The realizations of the shard in the folder; none if the folder is empty, or its content is damaged.
@@ -75,6 +75,10 @@ Shard parse_shard(const std::string& text, std::uint64_t realizations) {
 
 std::string name_of(const Shard& shard) {
   return "shard " + std::to_string(shard.index) + "/" + std::to_string(shard.of);
+}
+
+std::string ShardRun::unit() const {
+  return rare.is_object() && rare.value("method", "") == "split" ? "repetitions" : "realizations";
 }
 
 std::uint64_t ShardRun::samples() const {

@@ -25,6 +25,7 @@ struct ShardRun {
   nlohmann::json rare = {};  ///< for samples of a RareRun instead of realizations: its identity and `samples`
 
   std::uint64_t samples() const;
+  std::string unit() const;  ///< what a sample is, in the plural
   RealizationRange range() const { return range_of(shard, samples()); }
   nlohmann::json identity() const;  ///< of the statistics
 };
