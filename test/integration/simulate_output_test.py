@@ -26,6 +26,13 @@ class Output(unittest.TestCase):
         self.assertRegex(counted, r"^400 faults in \d+ runs: 0 wrong, 0 hung$")
         self.assertNotIn(digest, self.printed(400, 8))
 
+    def test_rejects_what_is_no_number(self):
+        for words, said in ((("ten", "1"), "FAULTS: ten: must be a whole number from 1 to"), (("0", "1"), "FAULTS: 0: must be"),
+                            (("10", "-1", "x"), "2 errors:\n  SEED: -1: must be"), (("10",), "usage: simulate FAULTS SEED")):
+            done = subprocess.run([SIMULATE, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn("simulate: " + said, done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -8,15 +8,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "simulation/scenario.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
 
 namespace {
@@ -112,14 +116,35 @@ std::vector<Report> simulated(std::uint64_t seed, std::uint64_t plans,
   return reports;
 }
 
+/// FAULTS, SEED and RUN, which is not given without an argument. Throws ConfigurationError.
+std::array<std::uint64_t, 3> numbers_of(int argc, char** argv) {
+  if (argc != 3 && argc != 4)
+    throw platoon::ConfigurationError({"usage: simulate FAULTS SEED [RUN, to print its history]"});
+  const std::pair<const char*, std::int64_t> names[] = {{"FAULTS", 1}, {"SEED", 0}, {"RUN", 0}};
+  std::array<std::uint64_t, 3> numbers{};
+  platoon::ProblemCollector problems;
+  for (int n = 0; n + 1 < argc; ++n) {
+    const auto& [name, least] = names[n];
+    const auto number = problems.result_of([&, key = name, from = least] {
+      return platoon::integer_of(key, argv[n + 1], from, std::numeric_limits<std::int64_t>::max());
+    });
+    numbers[static_cast<std::size_t>(n)] = static_cast<std::uint64_t>(number.value_or(0));
+  }
+  problems.require_none();
+  return numbers;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3 && argc != 4) {
-    std::fprintf(stderr, "usage: simulate FAULTS SEED [RUN, to print its history]\n");
+  std::array<std::uint64_t, 3> numbers{};
+  try {
+    numbers = numbers_of(argc, argv);
+  } catch (const platoon::ConfigurationError& error) {
+    std::fprintf(stderr, "simulate: %s\n", error.what());
     return 2;
   }
-  const std::uint64_t faults = std::strtoull(argv[1], nullptr, 10), seed = std::strtoull(argv[2], nullptr, 10);
+  const auto [faults, seed, run] = numbers;
   std::uint64_t plans = 0;
   for (std::uint64_t struck = 0; struck < faults; ++plans)
     struck += platoon::simulation::plan_of(seed_of(seed, plans)).faults.size();
@@ -138,7 +163,7 @@ int main(int argc, char** argv) {
   };
   if (argc == 4) {
     within(0);
-    const Outcome outcome = carry_out(platoon::simulation::plan_of(seed_of(seed, std::strtoull(argv[3], nullptr, 10))));
+    const Outcome outcome = carry_out(platoon::simulation::plan_of(seed_of(seed, run)));
     print_history(output, outcome, outcome.history.size(), "");
     std::fprintf(output, "%s\n", outcome.wrong.c_str());
     std::filesystem::remove_all(folder);
