@@ -141,12 +141,15 @@ int monte_carlo_main(int argc, char** argv) {
       write_trajectories(configuration, given["only"]);
       return 0;
     }
-    const bool complete =
-        given.has("shard")
-            ? platoon::run_shard({configuration, platoon::parse_shard(given["shard"], configuration.run.realizations)},
-                                 *how,
-                                 platoon::batch_work(configuration.model, platoon::ensemble_of(configuration.run)))
-            : run_whole(configuration, *how);
+    bool complete = false;
+    if (given.has("shard")) {
+      // Read before a ShardRun begins: GCC ends the lifetime of a half-made one before it destroys it.
+      const platoon::Shard shard = platoon::parse_shard(given["shard"], configuration.run.realizations);
+      complete = platoon::run_shard({configuration, shard}, *how,
+                                    platoon::batch_work(configuration.model, platoon::ensemble_of(configuration.run)));
+    } else {
+      complete = run_whole(configuration, *how);
+    }
     if (!complete) return platoon::kInterrupted;
     if (recorded) require_equal(*recorded, configuration.run.output, given["repeat"]);
     return 0;

@@ -110,6 +110,8 @@ ExactTransfer LossKernel::mean_transfer() const {
 
 void LossKernel::find_memories() {
   const Eigen::Index modes = chain_.modes();
+  right_.resize(modes, 0);
+  left_.resize(0, modes);
   for (const ResolventTerm& term : memory_terms(chain_.transition().transpose())) {
     for (Eigen::Index k = 0; k < term.left.cols(); ++k) {
       memories_.push_back(term.eigenvalue);

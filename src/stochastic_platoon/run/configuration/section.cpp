@@ -221,9 +221,9 @@ void Section::reject_unknown_keys() {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
     // In {kp: 0,2} the comma begins the key 2.
     if (known_.count(key) == 0 && is_digits(key) && entry.second.IsNull() && before != node_.end()) {
-      const YAML::Node& number = before->second;
-      if (number.IsScalar() && is_digits(number.Scalar())) {
-        reject(shown(before->first), number.Scalar() + "," + key, kWholeWithPoint);
+      const YAML::const_iterator::value_type number = *before;  // not before->, which refers into a temporary
+      if (number.second.IsScalar() && is_digits(number.second.Scalar())) {
+        reject(shown(number.first), number.second.Scalar() + "," + key, kWholeWithPoint);
         continue;
       }
     }
