@@ -58,14 +58,7 @@ void Splitting::pilot(unsigned threads) {
   const BatchWork work{EnsembleTotals(MomentTable(0)), 1, [computation] { return computation; }};
   const bool is_one = event_.followers == 1;  // the only follower is any follower
   EnsembleRun run(work, {0, is_one ? 1 : rows_.size()}, work.none);
-  complete(run, threads, [&] {
-    try {
-      check_interruption();
-    } catch (...) {
-      run.abandon();
-      throw;
-    }
-  });
+  complete(run, threads, [] { check_interruption(); });
   if (is_one) rows_.back() = rows_.front();
 }
 

@@ -33,10 +33,10 @@ public:
 
   /// `realizations`: n per level, of all repetitions. Throws std::invalid_argument unless it is from kLeastRealizations
   /// to kMostRealizations, and if the event always happens to all followers. `threads`: of the pilot run.
-  Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations, unsigned threads = 1);
+  Splitting(const PlatoonModel& model, const RareEvent& event, std::uint64_t realizations, unsigned threads);
 
-  /// The logarithms of the pilot's estimates of the probabilities to fall below each level. With rare losses: those of
-  /// the larger part, at the last of its own levels that is not below.
+  /// The logarithms of the pilot's estimates of the probabilities to fall below each level. With rare losses, the
+  /// larger one of the two parts' estimates; a part has that of the nearest of its own levels above.
   std::vector<double> log_scales(std::size_t row) const override { return rows_[row].log_reached; }
   std::uint64_t samples(std::uint64_t) const override { return kRepetitions; }
   BatchWork work() const override;

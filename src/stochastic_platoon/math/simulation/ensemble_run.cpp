@@ -145,7 +145,14 @@ void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& t
   for (unsigned t = 0; t < std::max(threads, 1u); ++t)
     workers.push_back(std::async(std::launch::async, [&run] { return run.work(); }));
   for (auto& worker : workers) {
-    while (worker.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) tick();
+    while (worker.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
+      try {
+        tick();
+      } catch (...) {
+        run.abandon();  // the other workers end before their futures do
+        throw;
+      }
+    }
     worker.get();
   }
   tick();

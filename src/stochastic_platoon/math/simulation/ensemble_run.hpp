@@ -89,7 +89,7 @@ private:
 };
 
 /// Completes a run, unless it is stopped, with this many threads. Calls `tick` from the calling thread every tenth of a
-/// second and at the end.
+/// second and at the end. An exception of `tick` abandons the run and is passed on.
 void complete(EnsembleRun& run, unsigned threads, const std::function<void()>& tick);
 
 }  // namespace platoon

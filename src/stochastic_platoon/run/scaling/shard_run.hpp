@@ -25,7 +25,7 @@ struct ShardRun {
   nlohmann::json rare = {};  ///< for samples of a RareRun instead of realizations: its identity and `samples`
 
   std::uint64_t samples() const;
-  std::string unit() const;  ///< what a sample is, in the plural
+  std::string unit() const;  ///< of samples: "realizations" or "repetitions"
   RealizationRange range() const { return range_of(shard, samples()); }
   nlohmann::json identity() const;  ///< of the statistics
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <thread>
 
+#include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "unit/agreement_of.hpp"
 #include "unit/monte_carlo.hpp"
@@ -173,6 +174,14 @@ TEST(EnsembleRun, LeavesItsBatchWhenItIsAbandoned) {
   while (!run.all_begun()) std::this_thread::yield();
   run.abandon();
   worker.join();
+  EXPECT_EQ(run.done(), 0u);
+  EXPECT_FALSE(run.is_complete());
+}
+
+TEST(EnsembleRun, IsAbandonedIfItsTickThrows) {
+  const Ensemble minutes{3, 2, 200000, 65536, {}};
+  EnsembleRun run(paper_platoon(), minutes, {0, minutes.batch});
+  EXPECT_THROW(complete(run, 2, [] { throw Interrupted(); }), Interrupted);
   EXPECT_EQ(run.done(), 0u);
   EXPECT_FALSE(run.is_complete());
 }
