@@ -25,6 +25,7 @@
 #include "stochastic_platoon/run/report/analysis_report.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
+#include "stochastic_platoon/run/report/string_text.hpp"
 #include "stochastic_platoon/run/results/result_check.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
@@ -217,6 +218,8 @@ PYBIND11_MODULE(_platoon, module) {
       .def("document", [](const Model& model) { return plain_object_of(model.document()); })
       .def("manoeuvres", &manoeuvres_of)
       .def("vehicle", &vehicle_of, py::arg("index"))
+      .def_property_readonly("spacing", [](const Model& model) { return spacing_text(model.model()); })
+      .def_property_readonly("noise", [](const Model& model) { return noise_text(model.model()); })
       .def_property_readonly("is_homogeneous", [](const Model& model) { return is_homogeneous(model.model()); })
       .def_property_readonly("start_slope", [](const Model& model) { return start_slope(model.model()); });
 

@@ -32,7 +32,7 @@ class States(Fed):
                 top, foot = self.browser.run(WHISKERS)
                 self.assertGreaterEqual(top, float(chart["top"]) - 0.1)
                 self.assertLessEqual(foot, float(chart["foot"]) + 0.1)
-            self.assertIn("headway h0.32 s = 3.2 sample periods", self.browser.text("#facts"))
+            self.assertIn("spacingh = 0.32 s (3.2 sample periods)", self.browser.text("#facts"))
             self.assertIn("leader 20.0 m/s (72 km/h)", self.browser.text("#road-note"))
             road = self.browser.run("return {...document.getElementById('road').dataset, height: document.getElementById('road').clientHeight}")
             self.assertIn(float(road["scale"]), [v * p for v in (1, 2, 5) for p in (1, 10, 100)])

@@ -86,6 +86,13 @@ class State(unittest.TestCase):
         self.assertEqual(self.state.give("strip"), [])
         self.assertEqual(self.state.document()["headway"], 2.4)
 
+    def test_describes_the_string_and_not_the_default_vehicle(self):
+        types = {"truck": {"time_headway": 4.0, "noise_variance": 0.5}, "van": {"time_headway": 6.0}}
+        self.state.take_configuration(configuration(vehicle_types=types, string=["truck", "van"]))
+        document = self.state.document()
+        self.assertEqual((document["spacing"], document["noise"]), ("h = 0.4 to 0.6 s (4 to 6 sample periods)", "P_d = 0.5 to 0.6 m^2"))
+        self.assertIn("h = 0.4 to 0.6 s (4 to 6 sample periods), P_d = 0.5 to 0.6 m^2, ", table.table(document, 50)[0])
+
     def test_an_overview_may_come_before_its_configuration(self):
         early = state.PlatoonState()
         early.take_overview(overview(complete=True), 0.0)

@@ -121,6 +121,16 @@ class Model:
         return {**document, **(types.get(string[(index - 1) % len(string)], {}) if checked_vehicle(index) > 0 else {})}
 
     @property
+    def spacing(self) -> str:
+        """The spacing of the string's vehicles in words: "h = 0.32 s (3.2 sample periods)", "constant spacing of 9.2 m"."""
+        return self._handle.spacing
+
+    @property
+    def noise(self) -> str:
+        """The noise variances of what they hear in words: "P_d = 0.25 to 0.4 m^2, radio 0.04 (m/s^2)^2"."""
+        return self._handle.noise
+
+    @property
     def sample_period(self) -> float:
         """T_s [s]."""
         return float(self.to_dict()["sample_period"])

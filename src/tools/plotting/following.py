@@ -26,8 +26,7 @@ def results_of(configuration: Dict[str, Any], overview: Any) -> sp.Results:
     table: Dict[str, Any] = {"vehicle": np.repeat(np.arange(1.0, followers + 1), steps.size), "step": np.tile(steps, followers),
              "count": np.full(followers * steps.size, float(overview.realizations)),
              **{name: np.array(getattr(overview, name)) for name in ("mean", "variance", "theoretical_mean", "theoretical_variance")}}
-    return sp.Results(summary, {"statistics": table},
-                      "h = {:g}".format(configuration["headway"]) if configuration["headway"] else "constant spacing")
+    return sp.Results(summary, {"statistics": table}, configuration["spacing"])
 
 
 def follow(namespace: str, draw: Callable[[List[sp.Results]], Figure], stem: str, kinds: Sequence[str]) -> None:

@@ -89,7 +89,8 @@ def described(text: str) -> Dict[str, Any]:
     channels = [of.get("channel", {}) for of in [model, *model.get("inputs", [])]]
     return {"followers": run["followers"], "steps": run["steps"], "realizations_wanted": run["realizations"],
             "rate_wanted": run["rate"], "seed": run["seed"], "hosting": run["hosting"], "endless": run["steps"] == 0,
-            "burn_in": run["burn_in"], "headway": vehicle.time_headway, "headway_in_seconds": in_seconds(model),
+            "burn_in": run["burn_in"], "spacing": configuration.model.spacing, "noise": configuration.model.noise,
+            "headway": vehicle.time_headway, "headway_in_seconds": in_seconds(model),
             "noise_variance": vehicle.noise_variance,
             "loss": vehicle.loss_probability if any("probability" in of.get("loss", {}) for of in channels) else None, "link": link_of(model),
             "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,

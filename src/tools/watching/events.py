@@ -17,14 +17,10 @@ def is_paused(overview: Any) -> bool:
     return bool(overview.time_average and overview.attempt > 0 and overview.step[-1] < overview.counted_from)
 
 
-def headway_text(configuration: Dict[str, Any]) -> str:
-    return "{:g} s ({:g} sample periods)".format(configuration["headway"] * configuration["sample_period"], configuration["headway"])
-
-
 def shown(configuration: Dict[str, Any], key: str, unit: Optional[str]) -> str:
     value = configuration[key]
     if unit is None:
-        return headway_text(configuration)
+        return "{:g} s ({:g} sample periods)".format(value * configuration["sample_period"], value)
     return "none" if value is None else (value if isinstance(value, str) else "{:g}".format(value)) + unit
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Optional
 
-from watching.events import headway_text
 
 HEADING = "follower       mean [m]   variance [m^2]   standard error   theory [m^2]         z"
 AROUND = 9  # lines other than the followers' rows
@@ -33,8 +32,7 @@ def heading(state: Dict[str, Any]) -> List[str]:
     if state["followers"] is None:
         return [state["start"] or "Waiting for a platoon's monitor"]
     period = state["sample_period"]
-    spacing = "h = " + headway_text(state) if state["headway"] else "constant spacing of {:g} m".format(state["standstill_distance"])
-    first = "{}, P_d = {:g} m^2, {}, N = {}".format(spacing, state["noise_variance"], state["link"], state["followers"])
+    first = "{}, {}, {}, N = {}".format(state["spacing"], state["noise"], state["link"], state["followers"])
     if "reason" not in state:
         return [first, "Starting: " + state["start"] if state["start"] else "Starting"]
     at = None if state["step"] is None else time_of_step(state, state["step"])

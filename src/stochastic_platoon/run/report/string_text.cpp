@@ -11,6 +11,11 @@ namespace platoon {
 
 namespace {
 
+const std::map<InputSignal, const char*> kNoises = {{InputSignal::position, "P_d = %s m^2"},
+                                                    {InputSignal::speed, "speed %s (m/s)^2"},
+                                                    {InputSignal::acceleration, "acceleration %s (m/s^2)^2"},
+                                                    {InputSignal::input, "radio %s (m/s^2)^2"}};
+
 /// "0.8", or "0.8 to 1.2".
 std::string range_text(const std::vector<double>& values, double unit = 1.0) {
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
@@ -59,16 +64,19 @@ std::string text_of(const Input& input) {
   return std::string(name_of(input.signal)) + " of " + source;
 }
 
-std::string string_text(const PlatoonModel& model) {
-  const std::string spacing = spacing_text(model);
-  if (!hears_predecessors_only(model)) return spacing + hears_text(model);
-  std::vector<double> noises, radios;
+std::string noise_text(const PlatoonModel& model) {
+  std::map<InputSignal, std::vector<double>> noises;
   for (const VehicleModel& of : pattern(model)) {
-    noises.push_back(of.position().noise_variance);
-    if (of.radio() != nullptr) radios.push_back(of.radio()->noise_variance);
+    for (const Input& input : of.inputs) noises[input.signal].push_back(input.noise_variance);
   }
-  return spacing + ", P_d = " + range_text(noises) + " m^2" +
-         (radios.empty() ? "" : ", radio " + range_text(radios) + " (m/s^2)^2");
+  std::string text;
+  for (const auto& [signal, variances] : noises)
+    text += (text.empty() ? "" : ", ") + formatted(kNoises.at(signal), range_text(variances).c_str());
+  return text;
+}
+
+std::string string_text(const PlatoonModel& model) {
+  return spacing_text(model) + ", " + noise_text(model) + (hears_predecessors_only(model) ? "" : hears_text(model));
 }
 
 }  // namespace platoon

@@ -13,8 +13,11 @@ std::string spacing_text(const PlatoonModel& model);
 /// "radio of vehicle i-1".
 std::string text_of(const Input& input);
 
-/// The string's spacing and the noise of its links: "h = 0.32 s (3.2 sample periods), P_d = 0.25 m^2"; for vehicles
-/// that hear others than their predecessor what they hear, with the weights.
+/// The noise variances of what the string's vehicles hear: "P_d = 0.25 to 0.4 m^2, radio 0.04 (m/s^2)^2".
+std::string noise_text(const PlatoonModel& model);
+
+/// The string's spacing and noise: "h = 0.32 s (3.2 sample periods), P_d = 0.25 m^2"; for vehicles that hear others
+/// than their predecessor what they hear, with the weights.
 std::string string_text(const PlatoonModel& model);
 
 }  // namespace platoon

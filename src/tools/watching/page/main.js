@@ -83,7 +83,7 @@ function togglePause() {
 
 const about = () => {
   const { configuration: of, statistics } = known;
-  return of ? `${of.headway ? `h = ${of.headway} sample periods` : `constant spacing of ${of.standstill_distance} m`}, noise variance ${of.noise_variance} m², ${of.link}, N = ${of.followers}, ` +
+  return of ? `${of.spacing}, ${of.noise}, ${of.link}, N = ${of.followers}, ` +
     (of.endless ? `step ${road.present?.step ?? "–"}` : `${statistics?.realizations ?? 0} realizations`) : "";
 };
 

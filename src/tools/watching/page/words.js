@@ -32,7 +32,7 @@ export function showHeadline({ configuration, statistics, conduct, health }, liv
     write(at("verdict"), verdict);
     write(at("reason"), statistics ? statistics.reason.replace(/^(not )?(string|mean square) stable: /, "") : health?.start ?? "The first figures appear when every vehicle runs.");
     at("warnings").replaceChildren(...(statistics?.warnings ?? []).map(warning => Object.assign(document.createElement("li"), { textContent: `⚠ ${warning}` })));
-    document.title = `${verdict.replace(/^. /, "")}, ${configuration.headway ? `h = ${configuration.headway}` : "constant spacing"}`;
+    document.title = `${verdict.replace(/^. /, "")}, ${configuration.spacing}`;
   }
   at("verdict").dataset.stable = stable;
   const complete = statistics?.complete;
@@ -56,9 +56,7 @@ const duration = seconds => seconds < 90 ? `${Math.ceil(seconds)} s` : seconds <
 
 export function facts(list, { configuration, statistics }, snapshot) {
   if (!configuration) return list.replaceChildren();
-  const of = statistics ?? {}, shown = [configuration.headway ? ["headway h", `${seconds(configuration.headway, configuration)} = ${short(configuration.headway, 4)} sample periods`] :
-    ["spacing", `constant, ${short(configuration.standstill_distance, 4)} m`],
-    ["noise variance", `${short(configuration.noise_variance)} m²`], ["link", configuration.link], ["followers N", configuration.followers]];
+  const of = statistics ?? {}, shown = [["spacing", configuration.spacing], ["noise", configuration.noise], ["link", configuration.link], ["followers N", configuration.followers]];
   if (configuration.endless) shown.push(["time t", atStep(snapshot?.step ?? of.latest_step, configuration)]);
   else {
     shown.push(["realizations", `${spaced(of.realizations ?? 0)} of ${spaced(configuration.realizations_wanted)}`]);

@@ -102,14 +102,16 @@ TEST(Analysis, NamesWhatTheVehiclesOfTheStringHave) {
   EXPECT_EQ(string_text(model), "h = 0.24 to 0.28 s (2.4 to 2.8 sample periods), P_d = 0.6 to 4 m^2");
   model.types[1].vehicle.constant_spacing = true;
   model.types[1].vehicle.standstill_distance = 9.2;
-  EXPECT_EQ(string_text(model),
-            "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, hears position of vehicle i-1 (1)");
+  EXPECT_EQ(
+      string_text(model),
+      "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, P_d = 0.6 to 4 m^2, hears position of vehicle i-1 (1)");
   model.types[1].vehicle.inputs.push_back({});
   model.types[1].vehicle.inputs.back().ahead = 2;
   model.types[1].vehicle.inputs.back().gain = 0.25;
+  model.types[1].vehicle.inputs.push_back({InputSignal::speed, 0.25});
   EXPECT_EQ(
       string_text(model),
-      "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, near hears position of vehicle i-1 (1), position of vehicle i-2 (0.25), noisy hears position of vehicle i-1 (1)");
+      "h = 0.28 s (2.8 sample periods), constant spacing of 9.2 m, P_d = 0 to 4 m^2, speed 0.25 (m/s)^2, near hears position of vehicle i-1 (1), position of vehicle i-2 (0.25), speed of vehicle i-1 (1), noisy hears position of vehicle i-1 (1)");
 }
 
 TEST(Analysis, NamesTheFirstOfManyTypes) {
