@@ -13,8 +13,9 @@ ModeChances::ModeChances(const LossChain& chain) : arrived_(static_cast<std::siz
     double sum = 0.0;
     for (Eigen::Index i = 0; i < chain.modes(); ++i) {
       const Eigen::Index mode = i < chain.lost() ? chain.arrived() + i : i - chain.lost();
-      sum += probabilities(mode);
-      if (probabilities(mode) > 0.0) result.push_back({sum, static_cast<std::uint8_t>(mode)});
+      const double upto = sum + probabilities(mode);
+      if (upto > sum) result.push_back({upto, static_cast<std::uint8_t>(mode)});  // else no draw leads to it
+      sum = upto;
     }
     result.back().upto = 1.0;
     return result;
@@ -29,6 +30,15 @@ std::uint8_t ModeChances::after(std::size_t mode, double uniform) const {
   auto found = shares.begin();
   while (!(uniform < found->upto) && found + 1 != shares.end()) ++found;
   return found->mode;
+}
+
+double ModeChances::probability(std::size_t from, std::uint8_t to) const {
+  double lower = 0.0;
+  for (const Share& share : modes_[from]) {
+    if (share.mode == to) return share.upto - lower;
+    lower = share.upto;
+  }
+  return 0.0;
 }
 
 double ModeChances::leading(std::size_t from, std::uint8_t to, double uniform) const {

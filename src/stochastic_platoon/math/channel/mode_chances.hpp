@@ -23,6 +23,9 @@ public:
   /// Stands for the mode before the first one.
   std::size_t start() const { return modes_.size() - 1; }
 
+  /// The share of the uniform draws that lead from one mode to another.
+  double probability(std::size_t from, std::uint8_t to) const;
+
   /// A uniform draw from those that lead from one mode to another of positive probability.
   double leading(std::size_t from, std::uint8_t to, double uniform) const;
 

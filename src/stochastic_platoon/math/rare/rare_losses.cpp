@@ -23,19 +23,36 @@ std::uint8_t chosen(const Eigen::VectorXd& weights, double uniform) {
   return static_cast<std::uint8_t>(last);
 }
 
+}  // namespace
+
 // pi_b Pi_bc: the probabilities to be in b at a step and in c at the next one.
-Eigen::VectorXd before(const LossChain& chain, Eigen::Index mode) {
-  return chain.stationary().cwiseProduct(chain.transition().col(mode));
+Eigen::VectorXd RareLosses::Chain::before(Eigen::Index mode) const {
+  return stationary.cwiseProduct(transition.col(mode));
 }
 
 // The same for b != c: c begins.
-Eigen::VectorXd before_begin(const LossChain& chain, Eigen::Index mode) {
-  Eigen::VectorXd result = before(chain, mode);
+Eigen::VectorXd RareLosses::Chain::before_begin(Eigen::Index mode) const {
+  Eigen::VectorXd result = before(mode);
   result(mode) = 0.0;
   return result;
 }
 
-}  // namespace
+RareLosses::Chain::Chain(const LossModel& loss, std::int64_t steps)
+    : is_drawn(loss.trace == nullptr && !loss.by_distance) {
+  const LossChain chain(loss);
+  chances = std::make_shared<ModeChances>(chain);
+  stationary.resize(chain.modes());
+  transition.resize(chain.modes(), chain.modes());
+  for (Eigen::Index mode = 0; mode < chain.modes(); ++mode) {
+    const auto to = static_cast<std::uint8_t>(mode);
+    stationary(mode) = chances->probability(chances->start(), to);
+    for (Eigen::Index from = 0; from < chain.modes(); ++from)
+      transition(from, mode) = chances->probability(static_cast<std::size_t>(from), to);
+  }
+  begins = stationary;
+  for (Eigen::Index mode = 0; mode < chain.modes(); ++mode)
+    begins(mode) += static_cast<double>(steps - 1) * before_begin(mode).sum();
+}
 
 double GivenModes::draw(std::int64_t step, double uniform) const {
   if (step < 0 || step >= static_cast<std::int64_t>(modes.size())) return uniform;
@@ -51,21 +68,15 @@ RareLosses::RareLosses(const PlatoonModel& model, std::size_t followers, std::in
       if (!inputs[n].link.loses() || first_of_packet(inputs, n) != n) continue;
       const LossModel& loss = *inputs[n].link.loss;
       std::shared_ptr<const Chain>& of = known[&loss];
-      if (of == nullptr) {
-        const LossChain chain(loss);
-        Eigen::VectorXd begins = chain.stationary();
-        for (Eigen::Index mode = 0; mode < chain.modes(); ++mode)
-          begins(mode) += static_cast<double>(steps - 1) * before_begin(chain, mode).sum();
-        const bool is_drawn = loss.trace == nullptr && !loss.by_distance;
-        of = std::make_shared<Chain>(Chain{chain, std::make_shared<ModeChances>(chain), begins, is_drawn});
-      }
+      if (of == nullptr) of = std::make_shared<Chain>(loss, steps);
       places_.push_back({loss_stream(model, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(n)), of});
     }
   }
   for (std::size_t place = 0; place < places_.size(); ++place) {
     const Chain& of = *places_[place].of;
-    for (Eigen::Index mode = 0; of.is_drawn && mode < of.chain.modes(); ++mode) {
-      if (!(of.begins(mode) * static_cast<double>(places_.size()) < kMost)) continue;
+    for (Eigen::Index mode = 0; of.is_drawn && mode < of.begins.size(); ++mode) {
+      const double share = of.begins(mode) * static_cast<double>(places_.size());
+      if (!(share > 0.0 && share < kMost)) continue;
       rare_.emplace_back(place, mode);
       expected_ += of.begins(mode);
     }
@@ -76,23 +87,25 @@ std::shared_ptr<const GivenModes> RareLosses::draw(const std::function<double()>
   const double number = uniform() * static_cast<double>(rare_.size());
   const auto [place, mode] = rare_[std::min(static_cast<std::size_t>(number), rare_.size() - 1)];
   const Chain& of = *places_[place].of;
-  const Eigen::VectorXd beginning = before_begin(of.chain, mode);
-  const double begun = uniform() * of.begins(mode) - of.chain.stationary()(mode);
+  const Eigen::VectorXd beginning = of.before_begin(mode);
+  const double begun = uniform() * of.begins(mode) - of.stationary(mode);
   const std::int64_t step =
       begun < 0.0 ? 0 : std::min(1 + static_cast<std::int64_t>(begun / beginning.sum()), steps_ - 1);
   std::vector<std::uint8_t> modes(static_cast<std::size_t>(step) + 1, static_cast<std::uint8_t>(mode));
   for (auto k = static_cast<std::size_t>(step); k > 0; --k)
-    modes[k - 1] = chosen(k + 1 == modes.size() ? beginning : before(of.chain, modes[k]), uniform());
+    modes[k - 1] = chosen(k + 1 == modes.size() ? beginning : of.before(modes[k]), uniform());
   return std::make_shared<GivenModes>(GivenModes{places_[place].stream, of.chances, std::move(modes)});
 }
 
-void RareLosses::weights(const WhiteNoise& noise, std::uint64_t first, std::size_t count, double* weights) const {
+void RareLosses::weights(const WhiteNoise& noise, std::uint64_t first, std::size_t count, double* weights,
+                         std::int64_t* begins) const {
   std::fill_n(weights, count, 0.0);
+  std::fill_n(begins, count, kNever);
   std::vector<double> uniforms(count);
   std::vector<std::uint8_t> modes(count);
   for (auto next = rare_.begin(); next != rare_.end();) {
     const Place& place = places_[next->first];
-    std::vector<double> shares(static_cast<std::size_t>(place.of->chain.modes()), 0.0);
+    std::vector<double> shares(static_cast<std::size_t>(place.of->begins.size()), 0.0);
     for (const std::size_t of = next->first; next != rare_.end() && next->first == of; ++next)
       shares[static_cast<std::size_t>(next->second)] = 1.0 / place.of->begins(next->second);
     const ModeChances& chances = *place.of->chances;
@@ -101,6 +114,7 @@ void RareLosses::weights(const WhiteNoise& noise, std::uint64_t first, std::size
       for (std::size_t s = 0; s < count; ++s) {
         const std::uint8_t mode = step > 0 ? chances.after(modes[s], uniforms[s]) : chances.first(uniforms[s]);
         if (step == 0 || mode != modes[s]) weights[s] += shares[mode];
+        if (shares[mode] > 0.0) begins[s] = std::min(begins[s], step);
         modes[s] = mode;
       }
     }
@@ -109,17 +123,29 @@ void RareLosses::weights(const WhiteNoise& noise, std::uint64_t first, std::size
     weights[s] = weights[s] > 0.0 ? static_cast<double>(rare_.size()) / weights[s] : kInfinity;
 }
 
-RareLosses::Unseen RareLosses::unseen(std::size_t paths) const {
+RareLosses::Unseen RareLosses::unseen(std::size_t paths, std::uint64_t repetitions) const {
+  const auto n = static_cast<double>(paths);
   double alone = 0.0, beside = 0.0, least = kInfinity;
   for (const Place& place : places_) {
-    for (Eigen::Index mode = 0; mode < place.of->chain.modes(); ++mode) {
+    for (Eigen::Index mode = 0; mode < place.of->begins.size(); ++mode) {
       const double begins = place.of->begins(mode);
-      if (!(begins * static_cast<double>(paths) < 1.0)) continue;
+      if (!(begins > 0.0 && begins * n < 1.0)) continue;
       (place.of->is_drawn ? beside : alone) += begins;
       least = std::min(least, begins);
     }
   }
-  return {std::min(1.0, alone + beside * (expected_ - 0.5 * beside)), 1.0 / least};
+  double two = 0.5 * expected_ * expected_, most = 0.0, next = kInfinity;
+  for (const auto& [place, mode] : rare_) {
+    const Chain& of = *places_[place].of;
+    const double remains = of.transition(mode, mode);
+    if (remains * n < 1.0) two += of.begins(mode) * remains;
+    most = std::max(most, of.begins(mode));
+    next = std::min(next, of.before_begin(mode).sum());
+  }
+  two = std::min(two, 3.0 * most * static_cast<double>(rare_.size()) / (n * static_cast<double>(repetitions)));
+  const double unlikely = beside * (expected_ - 0.5 * beside);
+  if (two > unlikely) least = std::min(least, next);
+  return {std::min(1.0, alone + std::max(unlikely, two)), 1.0 / least};
 }
 
 }  // namespace platoon

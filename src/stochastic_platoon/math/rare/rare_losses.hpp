@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -45,20 +46,32 @@ public:
   /// Modes of one link, from uniform values.
   std::shared_ptr<const GivenModes> draw(const std::function<double()>& uniform) const;
 
-  /// Writes the w of realizations first .. first + count - 1; infinity without a rare mode.
-  void weights(const WhiteNoise& noise, std::uint64_t first, std::size_t count, double* weights) const;
+  /// Writes the w of realizations first .. first + count - 1, infinity without a rare mode, and the step at which their
+  /// first rare mode begins, kNever without one.
+  void weights(const WhiteNoise& noise, std::uint64_t first, std::size_t count, double* weights,
+               std::int64_t* begins) const;
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-  /// Realizations that a number of paths of draw(), and as many others, is not likely to contain.
+  /// Realizations that the paths of draw(), and as many others, are not likely to contain.
   struct Unseen {
-    double probability = 0.0;   ///< union bound: of a mode beside a rare one, and of losses that are no chain
-    double realizations = 0.0;  ///< number from which on all are likely
+    double probability = 0.0;   ///< at most
+    double realizations = 0.0;  ///< of a repetition: number from which on all are likely
   };
-  Unseen unseen(std::size_t paths) const;
+  /// Of several repetitions with this number of paths each. With beginnings that fewer than one path of a repetition
+  /// has: of one that is no chain's, or beside a rare one (union bound). Else two rare beginnings, or a rare mode that
+  /// remains where it hardly does: few pairs of steps may make up an event, so that it is at most what n paths of
+  /// weight w <= M max e_c, none of which has it, leave to 5 % (rule of three, 3 w / n).
+  Unseen unseen(std::size_t paths, std::uint64_t repetitions) const;
 
 private:
   struct Chain {
-    LossChain chain;
+    Chain(const LossModel& loss, std::int64_t steps);
+    Eigen::VectorXd before(Eigen::Index mode) const;
+    Eigen::VectorXd before_begin(Eigen::Index mode) const;
+
     std::shared_ptr<const ModeChances> chances;
+    Eigen::VectorXd stationary;  ///< pi and Pi as the links draw them: a mode may be too rare for a uniform draw
+    Eigen::MatrixXd transition;
     Eigen::VectorXd begins;  ///< e_c
     bool is_drawn;           ///< by the chain alone: neither recorded nor by the distance
   };

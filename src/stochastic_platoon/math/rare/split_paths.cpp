@@ -31,7 +31,9 @@ SplitPaths::SplitPaths(const SplitEvent& of, std::uint64_t repetition, bool has_
       repetition_(has_rare_losses ? repetition ^ kWithRareLosses : repetition),
       has_rare_losses_(has_rare_losses),
       draws_(std::make_shared<PathDraws>(has_rare_losses ? with_rare_losses() : PathDraws(first(), of.paths))),
-      string_(of.model, WhiteNoise(of.event.seed, draws_), of.last_follower()) {
+      string_(of.model, WhiteNoise(of.event.seed, draws_), of.last_follower()),
+      weights_(of.paths, 1.0),
+      begins_(of.paths, kNever) {
   for (std::size_t i = 1; i <= of.last_follower(); ++i) gaps_.push_back(signals_of(of.model, {kGap}, i).requested[0]);
 }
 
@@ -41,22 +43,17 @@ double SplitPaths::run(double level, const Check& check) {
   for (std::size_t first = 0; first < of_.paths; first += kPathsAtOnce) {
     const std::size_t count = std::min(kPathsAtOnce, of_.paths - first);
     std::vector<double> values(count);
+    if (!has_rare_losses_ && !of_.losses.empty()) weigh(first, count);
     string_.run(first, count, of_.event.steps, [&](std::size_t follower, std::int64_t step, const SignalPositions& at) {
       check();
       if (step < of_.event.burn_in || (of_.is_of_one_follower() && follower != of_.row + 1)) return;
       gaps_[follower - 1](at.ahead, at.own, count, values.data());
       for (std::size_t s = 0; s < count; ++s) {
+        if (!has_rare_losses_ && step >= begins_[first + s]) continue;
         smallest_[first + s] = std::min(smallest_[first + s], values[s]);
         if (values[s] < level) crossing_[first + s] = std::min(crossing_[first + s], step);
       }
     });
-    if (has_rare_losses_ || of_.losses.empty()) continue;
-    weigh(first, count, values.data());
-    for (std::size_t s = 0; s < count; ++s) {
-      if (values[s] == kInfinity) continue;
-      smallest_[first + s] = kInfinity;
-      crossing_[first + s] = kNever;
-    }
   }
   survivors_.clear();
   for (std::size_t s = 0; s < of_.paths; ++s) {
@@ -93,14 +90,14 @@ void SplitPaths::branch(double level, const Check& check) {
 
 std::vector<double> SplitPaths::descend(const std::vector<double>& levels, const std::vector<double>& reported,
                                         const Check& check) {
-  std::vector<double> result(reported.size(), -kInfinity), weights(of_.paths, 1.0);
+  std::vector<double> result(reported.size(), -kInfinity);
   double log_product = 0.0;
   for (std::size_t level = 0, next = 0; level < levels.size(); ++level) {
     const double share = run(levels[level], check);
-    if (has_rare_losses_) weigh(0, of_.paths, weights.data());
+    if (has_rare_losses_) weigh(0, of_.paths);
     for (; next < reported.size() && reported[next] >= levels[level]; ++next) {
       double sum = 0.0;
-      for (std::size_t s = 0; s < of_.paths; ++s) sum += smallest_[s] < reported[next] ? weights[s] : 0.0;
+      for (std::size_t s = 0; s < of_.paths; ++s) sum += smallest_[s] < reported[next] ? weights_[s] : 0.0;
       result[next] = log_product + std::log(sum / static_cast<double>(of_.paths));
     }
     if (survivors_.empty()) break;
@@ -139,9 +136,11 @@ PathDraws SplitPaths::with_rare_losses() const {
   return PathDraws(first(), std::move(modes));
 }
 
-// See RareLosses::weights().
-void SplitPaths::weigh(std::size_t first, std::size_t count, double* weights) const {
-  of_.losses.weights(WhiteNoise(of_.event.seed, draws_), first, count, weights);
+// Those of RareLosses; without rare losses 1, and 0 for a path that has some.
+void SplitPaths::weigh(std::size_t first, std::size_t count) {
+  of_.losses.weights(WhiteNoise(of_.event.seed, draws_), first, count, &weights_[first], &begins_[first]);
+  for (std::size_t s = first; s < first + count && !has_rare_losses_; ++s)
+    weights_[s] = begins_[s] == kNever ? 1.0 : 0.0;
 }
 
 // The first new realization of this round.

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -37,7 +36,7 @@ public:
   SplitPaths(const SplitEvent& of, std::uint64_t repetition, bool has_rare_losses);
 
   /// Simulates all paths: the smallest gap of each, and the first step with a gap below the level. Returns the share of
-  /// the paths that have one. Without rare losses, a path that has some has no gap.
+  /// the paths that have one. Without rare losses, a path has no gap from the step on at which its first one begins.
   double run(double level, const Check& check);
 
   /// Replaces the paths by as many continuations of those that fall below the level, all equally often on average, and
@@ -57,12 +56,12 @@ public:
   const std::vector<double>& smallest() const { return smallest_; }
 
 private:
-  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  static constexpr std::int64_t kNever = RareLosses::kNever;
 
   void propose(PathDraws proposal, double level, const Check& check, std::vector<std::int64_t>& crossing,
                const std::vector<std::int64_t>& from, std::int64_t reach);
   PathDraws with_rare_losses() const;
-  void weigh(std::size_t first, std::size_t count, double* weights) const;
+  void weigh(std::size_t first, std::size_t count);
   std::uint64_t first() const;
   std::vector<double> uniforms(std::size_t count);
 
@@ -75,6 +74,8 @@ private:
   std::vector<Signal> gaps_;
   std::vector<double> smallest_;
   std::vector<std::int64_t> crossing_;
+  std::vector<double> weights_;                                  ///< of the paths at a reported level
+  std::vector<std::int64_t> begins_;                             ///< steps of their first rare losses
   std::vector<std::pair<std::size_t, std::int64_t>> survivors_;  ///< paths, and their first steps below the level
 };
 

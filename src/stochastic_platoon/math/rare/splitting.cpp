@@ -143,7 +143,7 @@ RareEstimator::Unseen Splitting::unseen(std::size_t row) const {
     if (probability > largest) found.what = what;
     largest = std::max(largest, probability);
   };
-  const RareLosses::Unseen losses = losses_[row].unseen(paths_);
+  const RareLosses::Unseen losses = losses_[row].unseen(paths_, kRepetitions);
   add(losses.probability,
       formatted("rare losses, or two of them in one realization: realizations must be more than %.2g",
                 static_cast<double>(kRepetitions) * losses.realizations));

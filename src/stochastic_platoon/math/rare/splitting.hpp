@@ -22,9 +22,11 @@ namespace platoon {
 /// the scatter of the repetitions gives the standard error.
 ///
 /// Losses that few realizations have (see RareLosses) may make up the event, and no path would start with them. Its
-/// probability is then the sum of two parts with levels of their own: without such losses, where paths with them fall
-/// below no level, and with such losses, where all paths start with them and have weights. References: P. Del Moral, J.
-/// Garnier, Ann. Appl. Probab. 15, 2005; S.-K. Au, J. Beck, Probab. Eng. Mech. 16, 2001.
+/// probability is then the sum of two parts with levels of their own: with such losses, where all paths start with them
+/// and have weights, and without. There a path falls below a level if it does so before the first such loss, which its
+/// draws up to that step decide, and counts at the end if it has none at all: continuations draw later losses without a
+/// condition. References: P. Del Moral, J. Garnier, Ann. Appl. Probab. 15, 2005; S.-K. Au, J. Beck, Probab. Eng. Mech.
+/// 16, 2001.
 class Splitting : public RareEstimator {
 public:
   static constexpr std::uint64_t kRepetitions = 20;

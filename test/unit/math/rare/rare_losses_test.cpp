@@ -63,7 +63,8 @@ TEST(RareLosses, WeighThePathsOfTwoLinksByTheirProbabilities) {
   }
   const WhiteNoise noise(7, std::make_shared<PathDraws>(0, given));
   std::vector<double> weights(kPaths);
-  losses.weights(noise, 0, kPaths, weights.data());
+  std::vector<std::int64_t> begins(kPaths);
+  losses.weights(noise, 0, kPaths, weights.data(), begins.data());
   std::map<Modes, double> sums, squares;
   const std::vector<Modes> found = modes(model, noise);
   for (std::size_t s = 0; s < kPaths; ++s) {
@@ -109,12 +110,17 @@ TEST(RareLosses, AreFoundInAnyRealizations) {
   const PlatoonModel model = two_links();
   const RareLosses losses(model, 2, kSteps);
   std::vector<double> weights(kPaths);
-  losses.weights(WhiteNoise(9), 0, kPaths, weights.data());
+  std::vector<std::int64_t> begins(kPaths);
+  losses.weights(WhiteNoise(9), 0, kPaths, weights.data(), begins.data());
   const std::vector<Modes> found = modes(model, WhiteNoise(9));
   for (std::size_t s = 0; s < kPaths; ++s) {
     const Modes& of = found[s];
     const bool is_rare = of[0] == 1 || of[1] == 1 || of[2] == 1 || of[3] % 2 == 1 || of[4] % 2 == 1 || of[5] % 2 == 1;
     ASSERT_EQ(std::isfinite(weights[s]), is_rare) << s;
+    std::int64_t step = 0;
+    while (step < kSteps && of[static_cast<std::size_t>(step)] != 1 && of[static_cast<std::size_t>(step + 3)] % 2 != 1)
+      ++step;
+    ASSERT_EQ(begins[s], step < kSteps ? step : RareLosses::kNever) << s;
   }
 }
 
@@ -123,14 +129,15 @@ TEST(RareLosses, CountWhatFewPathsHave) {
   const RareLosses chain(lossy_platoon(loss), 3, 101);
   const double begins = 1e-4 + 100.0 * 1e-4 / 5.0;  // of one link: after an arrival with q / (b (1 - q))
   EXPECT_NEAR(chain.expected(), 3.0 * begins, 1e-12);
-  EXPECT_EQ(chain.unseen(1000).probability, 0.0);
-  EXPECT_NEAR(chain.unseen(100).probability, 0.5 * std::pow(3.0 * begins, 2), 1e-12);  // two of them
-  EXPECT_NEAR(chain.unseen(100).realizations, 1.0 / begins, 1e-6);
+  EXPECT_NEAR(chain.unseen(1000, 20).probability, 3.0 * 3.0 * begins / 20000.0, 1e-12);  // two of them, at most
+  EXPECT_NEAR(chain.unseen(1000, 20).realizations, 5.0 / 1e-4, 1.0 / begins);            // of a beginning at one step
+  EXPECT_NEAR(chain.unseen(100, 20).probability, 0.5 * std::pow(3.0 * begins, 2), 1e-12);
+  EXPECT_NEAR(chain.unseen(100, 20).realizations, 1.0 / begins, 1e-6);
 
   loss.by_distance = LossByDistance({{10.0, 0.0}, {50.0, 1e-4}});
   const RareLosses by_distance(lossy_platoon(loss), 3, 101);
   EXPECT_TRUE(by_distance.empty());
-  EXPECT_NEAR(by_distance.unseen(100).probability, 3.0 * begins, 1e-12);
+  EXPECT_NEAR(by_distance.unseen(100, 20).probability, 3.0 * begins, 1e-12);
 }
 
 }  // namespace
