@@ -24,9 +24,6 @@ class Topic:
     def connections(self):
         return list(self.subscriber.impl.connections)
 
-    def of_step(self):
-        return {message.step: message for message in list(self.messages)}
-
     def newest(self, condition=lambda message: True, what="a message"):
         def found():
             fitting = [message for message in list(self.messages)[-5:] if condition(message)]
