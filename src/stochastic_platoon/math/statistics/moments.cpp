@@ -1,6 +1,5 @@
 #include "stochastic_platoon/math/statistics/moments.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "stochastic_platoon/math/numerics/special_values.hpp"
@@ -48,8 +47,9 @@ double standard_error_of_variance(double variance, std::uint64_t count, double s
 
 double standard_error_of_variance(const Moments& measured) {
   const auto n = static_cast<double>(measured.count);
+  if (measured.count < 2) return kNaN;
   const double variance = measured.variance();
-  return std::sqrt(std::max(measured.fourth_deviations / n - variance * variance, 0.0) / n);
+  return std::sqrt((measured.fourth_deviations / n - variance * variance * ((n - 3.0) / (n - 1.0))) / n);
 }
 
 }  // namespace platoon

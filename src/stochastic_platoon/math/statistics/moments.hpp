@@ -68,7 +68,7 @@ double standard_error_of_mean(double variance, std::uint64_t count, double share
 double standard_error_of_variance(double variance, std::uint64_t count, double share = 1.0);
 
 /// Standard deviation of the unbiased variance of values of any distribution [m^2], from their measured fourth moment
-/// m_4: sqrt((m_4 - v^2) / n). NaN if the fourth moment was not kept.
+/// m_4: sqrt((m_4 - v^2 (n - 3) / (n - 1)) / n). NaN for fewer than two values, or if the fourth moment was not kept.
 double standard_error_of_variance(const Moments& measured);
 
 }  // namespace platoon

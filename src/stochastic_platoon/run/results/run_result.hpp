@@ -100,8 +100,10 @@ std::optional<Agreement> signal_agreement(const RunOptions& run, const Predictio
 std::string largest_score(const Agreement& of);
 
 /// A sentence if a follower whose variance has settled is measured above the limit of a platoon that is judged string
-/// stable, by more than six standard errors and a rounding of a nanometre, and where others than predecessors are heard
-/// also above its own stationary variance; none otherwise.
+/// stable, and where others than predecessors are heard also above its own stationary variance; none otherwise. By
+/// chance it is above by as much in at most one of 1000 runs: by the score against the limit (see scores()), else, if
+/// the scatter of the variance is unknown, by Markov's inequality, P(variance > 1000 n limit) <= 1 / (1000 n) for each
+/// of n followers. A rounding of a nanometre is allowed.
 std::optional<std::string> measured_growth(const Configuration& configuration, const Prediction& prediction,
                                            const RunResult& result);
 

@@ -129,6 +129,11 @@ TEST(Moments, NeedTheFourthPowersForTheErrorOfAnyVariance) {
   Moments moments;
   for (const double value : {1.0, 2.0, 4.0}) moments.add(value);
   EXPECT_TRUE(std::isnan(standard_error_of_variance(moments)));
+  // Of two values d apart: v = d^2 / 2, m_4 = d^4 / 16, and the error sqrt((m_4 + v^2) / 2).
+  const double of_two = standard_error_of_variance(two_pass_moments({1.0, 3.0}));
+  EXPECT_DOUBLE_EQ(of_two, std::sqrt((1.0 + 4.0) / 2.0));
+  EXPECT_GT(standard_error_of_variance(two_pass_moments({1.0, 2.0, 3.0})), 0.4);
+  EXPECT_TRUE(std::isnan(standard_error_of_variance(two_pass_moments({1.0}))));
   // For the value 1 with probability q, else 0: m4 - v^2 = q (1 - q) (1 - 2 q)^2.
   std::vector<double> values(1000, 0.0);
   for (std::size_t j = 0; j < 100; ++j) values[10 * j] = 1.0;

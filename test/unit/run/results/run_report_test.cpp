@@ -13,8 +13,6 @@
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "unit/messages.hpp"
 #include "unit/monte_carlo.hpp"
-#include "unit/run/configuration/model_text.hpp"
-#include "unit/run/report/hearing_models.hpp"
 #include "unit/run/results/result_with.hpp"
 
 namespace platoon {
@@ -115,32 +113,6 @@ TEST_F(ReportTest, ReportsAMeasuredVarianceAboveTheLimitOfTheVerdict) {
   EXPECT_EQ(report_with_limit(2.3).find("MEASUREMENT AND VERDICT DISAGREE"), std::string::npos);
   const std::string text = report_with_limit(0.5);
   EXPECT_NE(text.find("MEASUREMENT AND VERDICT DISAGREE: the measured variance of follower 1 is "), std::string::npos);
-}
-
-TEST_F(ReportTest, TakesRoundingForNoGrowth) {
-  configuration_.run.steps = 200;
-  make_quiet();
-  ASSERT_EQ(prediction_.stability.limit_variance, 0.0);
-  RunResult result = this->result();
-  for (const double variance : {1e-22, 1e-12}) {
-    for (Moments& of : result.moments) of.squared_deviations = variance * static_cast<double>(of.count);
-    EXPECT_EQ(measured_growth(configuration_, prediction_, result).has_value(), variance > 1e-20) << variance;
-  }
-}
-
-// Followers near the leader hear it in another way than those far behind, and may have a larger variance.
-TEST_F(ReportTest, ExpectsFirstFollowersAboveTheLimitInAStringThatHearsOthers) {
-  configuration_.model = hearing_model(replaced(kTwoAhead, "time_headway: 8", "time_headway: 20"));
-  configuration_.run.steps = 3000;
-  configuration_.run.realizations = 20000;
-  predict_again();
-  RunResult result = this->result();
-  EXPECT_FALSE(measured_growth(configuration_, prediction_, result));
-  ASSERT_TRUE(prediction_.stability.limit_variance);
-  prediction_.stability.limit_variance = 0.5 * prediction_.stationary_variance[0];
-  EXPECT_FALSE(measured_growth(configuration_, prediction_, result));
-  for (Moments& of : result.moments) of.squared_deviations *= 40.0;
-  EXPECT_TRUE(measured_growth(configuration_, prediction_, result));
 }
 
 TEST_F(ReportTest, ReportsFiguresOfTheTheoryThatContradictEachOther) {
