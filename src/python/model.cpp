@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
@@ -52,10 +53,17 @@ Model Model::parse(const std::string& text) {
 Model Model::replaced(const std::map<std::string, std::string>& changes) const {
   YAML::Node document;
   document["model"] = YAML::Clone(document_);
-  for (const auto& [name, value] : changes) {
-    require_model_key(name);
-    override_value(document, name, value_of(name, value));
+  ProblemCollector problems;
+  std::vector<std::string> names;
+  for (const auto& change : changes) {
+    names.push_back(change.first);
+    problems.check([&] {
+      require_model_key(change.first);
+      override_value(document, change.first, value_of(change.first, change.second));
+    });
   }
+  problems.add(conflicts(names));
+  problems.require_none();
   return Model(document["model"]);
 }
 

@@ -69,9 +69,11 @@ class Models(ModuleTest):
         self.assertRaisesText(FileNotFoundError, "nowhere.yaml", sp.Model.load, "nowhere.yaml")
         self.assertRaisesText(ValueError, "must be a regular file of at most 256 MB that can be read (a folder)", sp.Model.load, self.folder)
         self.assertRaisesText(ValueError, "time_headway: -1", model.replace, time_headway=-1)
-        for one, other in (("time_headway", "time_headway_seconds"), ("headway", "headway_seconds"), ("time_headway", "headway")):
-            self.assertRaisesText(ValueError, "{}: given: must be absent beside {}: one of the two".format(other, one), model.replace,
-                                  {other: 3.0}, **{one: 3.0})
+        for one, other in (("time_headway", "time_headway_seconds"), ("headway", "headway_seconds"), ("headway", "time_headway"),
+                           ("headway_seconds", "time_headway_seconds"), ("headway", "time_headway_seconds"), ("channel/delay", "delay"),
+                           ("channel/loss/probability", "loss"), ("channel/loss/mean_burst", "mean_burst"), ("leader", "leader/file")):
+            for changes in ({one: 3.0, other: 2.0}, {other: 2.0, one: 3.0}):
+                self.assertRaisesText(ValueError, "{}: given: must be absent beside {}, which sets it too".format(other, one), model.replace, changes)
         self.assertRaisesText(ValueError, "time_heedway: unknown key", model.replace, time_heedway=1)
         self.assertRaisesText(ValueError, "seed: belongs to a run", model.replace, seed=2)
         self.assertRaisesText(ValueError, "must be YAML", sp.Model.parse, "a: [1")

@@ -32,7 +32,6 @@ def checked_vehicle(index: int) -> int:
     return index
 
 
-HEADWAYS = ("time_headway", "headway", "time_headway_seconds", "headway_seconds")  # names of one value
 FASTEST_CAR = _platoon.fastest_car  #: [m/s], of the warnings about implausible runs, as the next two
 HARDEST = _platoon.hardest  #: [m/s^2]: no road vehicle brakes or accelerates more
 REVERSING = _platoon.reversing  #: [m/s]: slower is backwards, beyond the noise of a standing vehicle
@@ -90,9 +89,6 @@ class Model:
         problems.
         """
         named = {str(name): _as_json(value, name) for name, value in {**(changes or {}), **keys}.items()}
-        headways = [name for name in HEADWAYS if name in named]
-        if len(headways) > 1:
-            raise ValueError("{}: given: must be absent beside {}: one of the two".format(headways[1], headways[0]))
         return Model(self._handle.replaced(named))
 
     def to_dict(self) -> Dict[str, Any]:

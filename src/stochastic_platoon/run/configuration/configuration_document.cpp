@@ -22,14 +22,14 @@ void require_known(const std::map<std::string, std::string>& given) {
   std::set<std::string> known{"model"};
   for (const Setting& setting : settings()) known.insert(setting.name);
   const std::string allowed = boost::algorithm::join(known, ", ");
-  std::vector<std::string> problems;
-  for (const auto& entry : given) {
-    if (known.count(entry.first) == 0) problems.push_back(entry.first + ": unknown setting: allowed are " + allowed);
+  ProblemCollector problems;
+  std::vector<std::string> names;
+  for (const auto& [name, value] : given) {
+    if (known.count(name) == 0) problems.add(name + ": unknown setting: allowed are " + allowed);
+    if (!value.empty()) names.push_back(name);
   }
-  const auto is_given = [&given](const char* name) { return given.count(name) > 0 && !given.at(name).empty(); };
-  if (is_given("headway") && is_given("headway_seconds"))
-    problems.emplace_back("headway_seconds: given: must be absent beside headway: one of the two");
-  if (!problems.empty()) throw ConfigurationError(problems);
+  problems.add(conflicts(names));
+  problems.require_none();
 }
 
 // The index in a list that a part of a path is; the list's size if it is none.

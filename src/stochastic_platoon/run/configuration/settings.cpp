@@ -1,6 +1,34 @@
 #include "stochastic_platoon/run/configuration/settings.hpp"
 
+#include <cstddef>
+
 namespace platoon {
+
+namespace {
+
+// The model file keys that a setting or a key sets or removes.
+std::vector<std::string> keys_of(const std::string& name) {
+  for (const Setting& setting : settings()) {
+    if (setting.model_key == nullptr || (name != setting.name && name != setting.model_key)) continue;
+    std::vector<std::string> keys{setting.model_key};
+    keys.insert(keys.end(), setting.replaces.begin(), setting.replaces.end());
+    return keys;
+  }
+  return {name};
+}
+
+// What the later of two names does to a key of the earlier one; null: nothing.
+const char* effect(const std::string& earlier, const std::string& later) {
+  for (const std::string& first : keys_of(earlier)) {
+    for (const std::string& second : keys_of(later)) {
+      if (first == second) return ", which sets it too";
+      if (first.compare(0, second.size() + 1, second + "/") == 0) return ", which it replaces";
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
 
 const std::vector<Setting>& settings() {
   static const std::vector<Setting> all = {
@@ -52,6 +80,19 @@ const std::vector<Setting>& settings() {
       {"first_realization", "0", "realizations before it come from earlier launches (configure finds out)", nullptr},
   };
   return all;
+}
+
+std::vector<std::string> conflicts(const std::vector<std::string>& names) {
+  std::vector<std::string> problems;
+  for (std::size_t later = 1; later < names.size(); ++later) {
+    for (std::size_t earlier = 0; earlier < later; ++earlier) {
+      const char* dropped = effect(names[earlier], names[later]);
+      if (dropped == nullptr) continue;
+      problems.push_back(names[later] + ": given: must be absent beside " + names[earlier] + dropped);
+      break;
+    }
+  }
+  return problems;
 }
 
 void add_monte_carlo_batch(std::map<std::string, std::string>& given) {

@@ -21,6 +21,11 @@ struct Setting {
 /// All settings except `model`, the name of the model file.
 const std::vector<Setting>& settings();
 
+/// The faults of names that are set one after the other, each a setting or a model file key, in which a later one would
+/// silently drop an earlier one: both stand for one key, one replaces the other's, or the earlier key is within the
+/// later.
+std::vector<std::string> conflicts(const std::vector<std::string>& names);
+
 /// Default batch sizes of a Monte Carlo: the data of a vehicle for that many realizations fit the second level cache.
 /// With signals a batch costs more, and the larger size spreads its fixed cost over more realizations.
 constexpr char kMonteCarloBatch[] = "512", kMonteCarloBatchWithSignals[] = "1024";

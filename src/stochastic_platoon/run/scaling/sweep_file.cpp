@@ -38,7 +38,8 @@ bool is_setting(const std::string& name) {
 
 std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
   std::vector<SweepAxis> axes;
-  for (const std::string& name : section.keys()) {
+  const std::vector<std::string> names = section.keys();
+  for (const std::string& name : names) {
     const YAML::Node value = node[name];
     if (name.find_first_of(",\"\n") != std::string::npos || (is_setting(name) && !is_among(kVarying, name))) {
       std::string allowed;
@@ -56,8 +57,7 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
     axes.push_back(axis);
   }
   section.reject_unknown_keys();
-  if (section.has("headway") && section.has("headway_seconds"))
-    section.reject("headway_seconds", "given", "absent beside headway: one of the two");
+  for (const std::string& problem : conflicts(names)) section.report(problem);
   if (axes.empty() && section.is_mapping()) section.report_whole("no axis: must name at least one varying parameter");
   return axes;
 }

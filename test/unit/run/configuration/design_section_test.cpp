@@ -67,7 +67,7 @@ TEST(DesignSection, IsOverriddenByAHeadwayInEitherUnit) {
   const Problems both = problems_of([&file] {
     configuration_document({{"model", file}, {"headway", "400"}, {"headway_seconds", "4"}});
   });
-  EXPECT_EQ(both, Problems{"headway_seconds: given: must be absent beside headway: one of the two"});
+  EXPECT_EQ(both, Problems{"headway_seconds: given: must be absent beside headway, which sets it too"});
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "unit/messages.hpp"
@@ -24,6 +26,36 @@ TEST(Settings, NameAllSignals) {
                                        [](const Setting& setting) { return setting.name == std::string("signals"); });
   ASSERT_NE(of_signals, settings().end());
   EXPECT_TRUE(contains(of_signals->help, ": " + all_signal_names() + ";"));
+}
+
+TEST(Settings, ConflictWithTheKeysThatTheyStandForInEitherOrder) {
+  std::size_t pairs = 0;
+  for (const Setting& setting : settings()) {
+    if (setting.model_key == nullptr) continue;
+    std::vector<std::string> keys{setting.model_key};
+    keys.insert(keys.end(), setting.replaces.begin(), setting.replaces.end());
+    for (const std::string& key : keys) {
+      if (key == setting.name) continue;
+      const std::vector<std::pair<std::string, std::string>> both{{setting.name, key}, {key, setting.name}};
+      for (const auto& [one, other] : both) {
+        EXPECT_EQ(conflicts({one, "steps", other}),
+                  (std::vector<std::string>{other + ": given: must be absent beside " + one + ", which sets it too"}));
+        ++pairs;
+      }
+    }
+  }
+  EXPECT_GE(pairs, 20u);
+  EXPECT_EQ(conflicts({"headway", "headway_seconds", "time_headway"}).size(), 2u);
+}
+
+TEST(Settings, ConflictWithAKeyWithinALaterOneOnly) {
+  EXPECT_EQ(conflicts({"delay", "channel"}),
+            std::vector<std::string>{"channel: given: must be absent beside delay, which it replaces"});
+  EXPECT_EQ(conflicts({"leader/unit", "leader/file"}),
+            std::vector<std::string>{"leader/file: given: must be absent beside leader/unit, which it replaces"});
+  for (const auto& names : std::vector<std::vector<std::string>>{
+           {"channel", "delay"}, {"leader", "leader/unit"}, {"loss", "mean_burst"}, {"channel/loss", "channel/lossy"}})
+    EXPECT_TRUE(conflicts(names).empty()) << names.back();
 }
 
 // The launch file repeats default and help of each argument, because roslaunch cannot read them from here.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stochastic_platoon/run/configuration/settings.hpp"
 #include "unit/messages.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/run/configuration/model_text.hpp"
@@ -121,7 +122,18 @@ TEST(SweepFile, HasTheHeadwayInSecondsAndTheSignals) {
   const Sweep varied = sweep_of("headway_seconds: 0.3\nvary: {headway_seconds: [0.28, 0.4]}\n");
   EXPECT_DOUBLE_EQ(varied.configuration(1).model.default_vehicle().headway, 4.0);
   EXPECT_EQ(rejection("vary: {headway: [3], headway_seconds: [0.3]}\n"),
-            "vary/headway_seconds: given: must be absent beside headway: one of the two");
+            "vary/headway_seconds: given: must be absent beside headway, which sets it too");
+}
+
+TEST(SweepFile, IsRejectedIfASettingStandsBesideItsModelKey) {
+  for (const Setting& setting : settings()) {
+    if (setting.model_key == nullptr || setting.model_key == std::string(setting.name)) continue;
+    const std::string name = setting.name, key = setting.model_key;
+    EXPECT_TRUE(contains(rejection("vary: {" + name + ": [0.1], " + key + ": [0.3]}\n"),
+                         "vary/" + key + ": given: must be absent beside " + name + ", which sets it too"));
+    EXPECT_TRUE(contains(rejection("vary: {" + key + ": [0.1], " + name + ": [0.3]}\n"),
+                         "vary/" + name + ": given: must be absent beside " + key + ", which sets it too"));
+  }
 }
 
 TEST(SweepFile, IsOverriddenByTheCommandLine) {
