@@ -61,9 +61,11 @@ private:
   }
 };
 
-platoon::MapAxes map_axes(const platoon::CommandLine& given) {
-  return {values_of(given, "sweep_headway"), values_of(given, "sweep_gain"), values_of(given, "sweep_loss"),
-          values_of(given, "sweep_burst")};
+platoon::MapAxes map_axes(const platoon::CommandLine& given, platoon::ProblemCollector& problems) {
+  const auto axis = [&](const char* option) {
+    return problems.result_of([&] { return values_of(given, option); }).value_or(std::vector<double>());
+  };
+  return {axis("sweep_headway"), axis("sweep_gain"), axis("sweep_loss"), axis("sweep_burst")};
 }
 
 }  // namespace
@@ -94,7 +96,7 @@ int analyze_main(int argc, char** argv) {
     }
     if (given.has("csv") && !given.has("sweep_headway") && !given.has("sweep_loss") && !given.has("sweep_burst"))
       problems.add("--csv: given: must go with --sweep-headway, --sweep-loss or --sweep-burst");
-    const auto axes = problems.result_of([&] { return map_axes(given); });
+    const platoon::MapAxes axes = map_axes(given, problems);
     const auto signals =
         problems.result_of([&] { return platoon::signal_request(given["signals"], given["collision_probability"]); });
     std::map<std::string, std::string> settings = given.settings;
@@ -110,8 +112,8 @@ int analyze_main(int argc, char** argv) {
     {
       StageDisplay display;
       display.begins("stability map");
-      if (!axes->headways.empty() || !axes->losses.empty() || !axes->bursts.empty())
-        points = platoon::stability_map(model, *axes);
+      if (!axes.headways.empty() || !axes.losses.empty() || !axes.bursts.empty())
+        points = platoon::stability_map(model, axes);
       analysis = platoon::analyze(configuration, *signals, [&display](const char* stage) { display.begins(stage); });
     }
     std::cout << platoon::report(configuration, analysis);

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/single_number.hpp"
+#include "stochastic_platoon/run/configuration/yaml_value.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
@@ -76,10 +77,13 @@ void require_equal(const platoon::RecordedResults& recorded, const std::string& 
 platoon::Configuration configured(const platoon::CommandLine& given) {
   std::map<std::string, std::string> settings = given.settings;
   platoon::add_monte_carlo_batch(settings);
-  platoon::Configuration configuration = platoon::parse_configuration(platoon::configuration_document(settings));
-  if (configuration.run.averaging() == platoon::Averaging::over_time)
-    throw platoon::ConfigurationError({"steps: 0: must be at least 1 for a Monte Carlo"});
-  return configuration;
+  platoon::ProblemCollector problems;
+  auto configuration =
+      problems.result_of([&] { return platoon::parse_configuration(platoon::configuration_document(settings)); });
+  if (platoon::parsed_integer(YAML::Node(given.setting("steps"))) == 0)
+    problems.add("steps: 0: must be at least 1 for a Monte Carlo");
+  problems.require_none();
+  return *configuration;
 }
 
 // Writes the trajectories of one realization in place of a run.
@@ -128,12 +132,17 @@ int monte_carlo_main(int argc, char** argv) {
     });
     if (given.setting("output").empty()) problems.add("output: (empty): must be a folder");
     if (given.has("only") != given.has("trajectories"))
-      problems.add(std::string(given.has("only") ? "only" : "trajectories") +
-                   ": given: must be with --only and --trajectories");
+      problems.add(given.has("only") ? "only: given: must be with --trajectories"
+                                     : "trajectories: given: must be with --only");
     for (const char* other : {"only", "repeat"}) {
       if (given.has(other) && given.has("shard"))
         problems.add(std::string("shard: given: must be absent beside ") + other);
     }
+    // Read before a ShardRun begins: GCC ends the lifetime of a half-made one before it destroys it.
+    const auto shard = problems.result_of([&] {
+      if (!given.has("shard")) return platoon::Shard{0, 1};
+      return platoon::parse_shard(given["shard"], found ? found->run.realizations : platoon::kMostShards);
+    });
     problems.require_none();
     platoon::Configuration configuration = *found;
     configuration.run.hosting = platoon::Hosting::monte_carlo;
@@ -143,9 +152,7 @@ int monte_carlo_main(int argc, char** argv) {
     }
     bool complete = false;
     if (given.has("shard")) {
-      // Read before a ShardRun begins: GCC ends the lifetime of a half-made one before it destroys it.
-      const platoon::Shard shard = platoon::parse_shard(given["shard"], configuration.run.realizations);
-      complete = platoon::run_shard({configuration, shard}, *how,
+      complete = platoon::run_shard({configuration, *shard}, *how,
                                     platoon::batch_work(configuration.model, platoon::ensemble_of(configuration.run)));
     } else {
       complete = run_whole(configuration, *how);

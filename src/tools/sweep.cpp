@@ -52,9 +52,7 @@ void compute(const platoon::Sweep& sweep, const std::vector<std::uint64_t>& poin
   display.finish();
 }
 
-void run_task(const platoon::Sweep& sweep, const std::string& text, const platoon::SweepSettings& settings) {
-  const auto task =
-      static_cast<std::uint64_t>(platoon::integer_of("task", text, 0, static_cast<std::int64_t>(sweep.tasks()) - 1));
+void run_task(const platoon::Sweep& sweep, std::uint64_t task, const platoon::SweepSettings& settings) {
   const std::uint64_t point = task / sweep.shards;
   const platoon::Shard shard{task % sweep.shards, sweep.shards};
   platoon::ShardRun part{sweep.configuration(point), shard};
@@ -90,6 +88,12 @@ int sweep_main(int argc, char** argv) {
     platoon::ProblemCollector problems;
     const auto found = problems.result_of([&] { return platoon::read_sweep(given.words.front(), given.settings); });
     const auto threads = problems.result_of([&] { return platoon::threads_of(given); });
+    const bool is_number = !task.empty() && task != "count" && task != "merge";
+    const auto number = problems.result_of([&] {
+      constexpr std::uint64_t kMost = platoon::Sweep::kMostPoints * platoon::kMostShards;
+      const std::uint64_t tasks = found ? found->tasks() : kMost;
+      return is_number ? platoon::integer_of("task", task, 0, static_cast<std::int64_t>(tasks) - 1) : 0;
+    });
     if (given["output"].empty() && task != "count") problems.add("output: (empty): must be a folder");
     problems.require_none();
     const platoon::Sweep& sweep = *found;
@@ -101,8 +105,8 @@ int sweep_main(int argc, char** argv) {
     settings.output = given["output"];
     settings.threads = *threads;
     settings.warn = warn;
-    if (!task.empty() && task != "merge") {
-      run_task(sweep, task, settings);
+    if (is_number) {
+      run_task(sweep, static_cast<std::uint64_t>(*number), settings);
       return 0;
     }
     const std::unique_ptr<platoon::FolderLock> lock = lock_folder(settings.output);

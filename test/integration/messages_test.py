@@ -67,6 +67,7 @@ class Rejected(FolderTest):
     def test_an_option(self):
         for name, value, said in table("options.yaml"):
             self.check(said, **{name: value})
+        self.check(["model: nowhere: no such file", "run/steps: x: must be", "run/followers: y: must be"], model="nowhere", steps="x", followers="y")
 
     def test_all_faults_of_a_command_are_named_at_once(self):
         for program, words, options, said in table("programs.yaml"):

@@ -170,7 +170,7 @@ class Signals(LaunchTest):
         for options, message in (
                 (dict(signals="distance"), "run/signals: distance: must be some of gap, speed, acceleration, jerk, input, relative_speed, each once"),
                 (dict(only=REALIZATIONS, trajectories="true"), "only: 4000: must be a whole number from 0 to 3999"),
-                (dict(only=3), "only: given: must be with --only and --trajectories"),
+                (dict(only=3), "only: given: must be with --trajectories"),
                 (dict(only=-1, trajectories="true"), "only: -1: must be a whole number from 0 to 3999")):
             found = subprocess.run([live_platoon.executable("monte_carlo"), "--model", self.model, "--output", self.path("none")]
                                    + ["--%s=%s" % (name.replace("_", "-"), value) for name, value in dict(SETTINGS, **options).items()],

@@ -155,6 +155,7 @@ YAML::Node load_model(const std::string& file) {
                               shipped_names("config")});
   }
   YAML::Node model = load_yaml(file);
+  if (model.IsNull()) throw ConfigurationError({"model: " + file + ": is empty: must be a mapping of keys"});
   resolve_tables(model, std::filesystem::absolute(file).parent_path().string());
   return model;
 }
@@ -167,8 +168,17 @@ void resolve_tables(const YAML::Node& model, const std::string& folder) {
 }
 
 YAML::Node configuration_document(const std::map<std::string, std::string>& given) {
-  require_known(given);
-  return document_of(load_model(given.count("model") > 0 ? given.at("model") : paper_model_file()), given);
+  ProblemCollector problems;
+  problems.check([&] { require_known(given); });
+  const auto model =
+      problems.result_of([&] { return load_model(given.count("model") > 0 ? given.at("model") : paper_model_file()); });
+  if (!model) {
+    std::vector<std::string> of_run;
+    read_run_options(Section(document_of(YAML::Node(), given)["run"], "run", of_run));
+    problems.add(of_run);
+  }
+  problems.require_none();
+  return document_of(*model, given);
 }
 
 YAML::Node configuration_document(const YAML::Node& model, const std::map<std::string, std::string>& given) {

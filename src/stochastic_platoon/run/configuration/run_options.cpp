@@ -28,7 +28,7 @@ constexpr std::int64_t kFewestChosenSteps = 100;
 
 // Whether a value is left empty, so that its default is chosen once the model is known.
 bool is_left_empty(Section& section, const std::string& key) {
-  return section.has(key) && section.text(key).empty();
+  return section.has(key) && section.text(key, "a whole number").empty();
 }
 
 // A rate or a time: 0, or at least `least`. ROS timers count nanoseconds in 64 bits, and seconds in 32.

@@ -92,11 +92,11 @@ bool Section::boolean(const std::string& key) {
   return value.value_or(false);
 }
 
-std::string Section::text(const std::string& key) {
-  const YAML::Node node = require(key, "a text");
+std::string Section::text(const std::string& key, const std::string& allowed) {
+  const YAML::Node node = require(key, allowed);
   if (node.IsNull()) return "";
   if (!node.IsScalar()) {
-    reject(key, shown(node), "a text");
+    reject(key, shown(node), allowed);
     return "";
   }
   if (!is_text(node.Scalar())) reject(key, shown(node), kUtf8);

@@ -45,7 +45,7 @@ public:
   double number(const std::string& key, const Allowed& allowed);
   std::int64_t integer(const std::string& key, std::int64_t least, std::int64_t most);
   bool boolean(const std::string& key);
-  std::string text(const std::string& key);
+  std::string text(const std::string& key, const std::string& allowed = "a text");
   std::string choice(const std::string& key, const std::vector<std::string>& choices);
   /// A non-empty list of finite numbers, at most `longest`.
   Eigen::VectorXd numbers(const std::string& key, Eigen::Index longest = std::numeric_limits<Eigen::Index>::max());

@@ -62,8 +62,10 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
   return axes;
 }
 
-// Counts the points before any is created.
-void check_size(const Sweep& sweep, std::vector<std::string>& problems) {
+// Counts the points before any is created. Returns whether they can be.
+bool check_size(const Sweep& sweep, std::vector<std::string>& problems) {
+  const auto is_empty = [](const SweepAxis& axis) { return axis.size() == 0; };
+  if (sweep.axes.empty() || std::any_of(sweep.axes.begin(), sweep.axes.end(), is_empty)) return false;
   std::string product;
   double points = 1.0;
   for (const SweepAxis& axis : sweep.axes) {
@@ -73,13 +75,14 @@ void check_size(const Sweep& sweep, std::vector<std::string>& problems) {
       problems.push_back("combine: paired: " + axis.name + " has " + std::to_string(axis.size()) + " values and " +
                          sweep.axes.front().name + " " + std::to_string(sweep.axes.front().size()) +
                          ": must have as many");
-      return;
+      return false;
     }
   }
-  if (sweep.paired && !sweep.axes.empty()) points = static_cast<double>(sweep.axes.front().size());
-  if (points <= static_cast<double>(Sweep::kMostPoints)) return;
+  if (sweep.paired) points = static_cast<double>(sweep.axes.front().size());
+  if (points <= static_cast<double>(Sweep::kMostPoints)) return true;
   problems.push_back("vary: " + (sweep.paired ? "" : product + " = ") + formatted("%.10g points", points) +
                      ": must be at most " + std::to_string(Sweep::kMostPoints));
+  return false;
 }
 
 // Checks every point's configuration; reports each problem once.
@@ -181,11 +184,17 @@ Sweep read_sweep(const std::string& file, const std::map<std::string, std::strin
   sweep.folder = std::filesystem::absolute(file).parent_path().string();
   std::map<std::string, std::string> shared;
   if (document.has("model")) shared["model"] = shipped_file(document.text("model"), "config", sweep.folder);
-  const auto share = [&](const std::string& name) {
-    if (document.has(name)) shared[name] = document.text(name);
-  };
-  for (const std::string& name : kVarying) share(name);
-  for (const char* name : {"batch", "signals"}) share(name);
+  const bool names_model = problems.empty();
+  std::vector<std::string> names = kVarying, no_texts;
+  names.insert(names.end(), {"batch", "signals"});
+  for (const std::string& name : names) {
+    if (!document.has(name)) continue;
+    if (node[name].IsScalar()) {
+      shared[name] = document.text(name);
+    } else if (given.count(name) == 0) {
+      no_texts.push_back(name);
+    }
+  }
   for (const auto& entry : given) shared[entry.first] = entry.second;
   add_monte_carlo_batch(shared);
   const bool varies = document.has("vary") && node["vary"].IsMap();
@@ -194,17 +203,23 @@ Sweep read_sweep(const std::string& file, const std::map<std::string, std::strin
   sweep.paired = document.has("combine") && document.choice("combine", {"grid", "paired"}) == "paired";
   if (document.has("shards")) sweep.shards = static_cast<std::uint64_t>(document.integer("shards", 1, kMostShards));
   if (document.has("keep")) {
+    const std::size_t before = problems.size();
     Section keep = document.section("keep");
     sweep.all_followers = !keep.has("followers") || keep.choice("followers", {"all", "last"}) == "all";
     sweep.all_steps = keep.has("steps") && keep.choice("steps", {"all", "last"}) == "all";
     keep.reject_unknown_keys();
+    if (problems.size() > before) sweep.all_followers = sweep.all_steps = false;  // no limit of rows
   }
   document.reject_unknown_keys();
-  if (problems.empty()) check_size(sweep, problems);
-  if (problems.empty()) {
+  const bool countable = check_size(sweep, problems);
+  ProblemCollector of_runs;
+  of_runs.check([&] {
+    if (!names_model) return;
     sweep.shared = configuration_document(shared);
-    check_points(sweep, problems);
-  }
+    for (const std::string& name : no_texts) override_value(sweep.shared, name, node[name]);
+    if (countable) check_points(sweep, problems);
+  });
+  problems.insert(problems.end(), of_runs.all().begin(), of_runs.all().end());
   if (!problems.empty()) throw ConfigurationError(problems);
   return sweep;
 }

@@ -166,6 +166,18 @@ TEST(SweepFile, NamesAllErrorsAtOnce) {
   EXPECT_EQ(rejection("vary: {}\n"), "vary: no axis: must name at least one varying parameter");
 }
 
+TEST(SweepFile, NamesTheErrorsOfItsPointsBesideItsOwn) {
+  const std::string error = rejection(
+      "vary: {foo: [1], loss: [0.5, 1]}\nshards: 0\nkeep: {followers: some}\nshard: 3\nfollowers:\nseed: [2]\n");
+  for (const char* part :
+       {"7 errors:", "shards: 0: must be a whole number from 1 to 1000000", "keep/followers: some: must be all or last",
+        "shard: unknown key: ", "model/foo: unknown key: ", "probability: 1: must be a number from 0 to below 1",
+        "run/followers: missing: must be a whole number from 1 to 1000000",
+        "run/seed: [2]: must be a whole number from 0 to "})
+    EXPECT_TRUE(contains(error, part));
+  EXPECT_TRUE(contains(rejection("vary: {seed: [1]}\nsteps: [2]\n"), "run/steps: [2]: must be a whole number"));
+}
+
 TEST(SweepFile, NamesThePointsThatCannotRun) {
   const std::string error = rejection("vary: {hedway: [1, 2], headway: [3.2, -1]}\nfollowers: 0\n");
   EXPECT_TRUE(
