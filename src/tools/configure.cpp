@@ -85,7 +85,7 @@ std::string absolute_names(const std::string& bags) {
 }
 
 // Throws ConfigurationError unless `first` and `last` name vehicles of a string of `most`: at least one for followers
-// that outlive launches, while a platoon may leave all its followers to them.
+// that outlive launches, while a platoon may leave all its followers to them, with `last` = `first` - 1.
 void require_range(const platoon::CommandLine& line, std::int64_t most, bool kept) {
   platoon::ProblemCollector problems;
   const auto vehicle = [&](const char* key, std::int64_t least, std::int64_t greatest) {
@@ -97,7 +97,7 @@ void require_range(const platoon::CommandLine& line, std::int64_t most, bool kep
   };
   if (line.has("first") && line.has("last")) {
     const std::int64_t first = vehicle("first", 1, kept ? most : most + 1);
-    vehicle("last", kept ? first : 0, most);
+    vehicle("last", kept ? first : first - 1, most);
   }
   problems.require_none();
 }

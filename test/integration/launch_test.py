@@ -51,6 +51,7 @@ class BadInput(LaunchTest):
             self.rejected("last: 1e1: must be written 10, in digits alone", followers="1e1", hosting=hosting)
         self.rejected("first: 02: must be written 2, in digits alone", "last: 3e0: must be written 3, in digits alone", file="followers.launch",
                       output=None, first="02", last="3e0")
+        self.rejected("last: 3: must be a whole number from 4 to 20", first=5, last=3)
         self.rejected("first: abc: must be a whole number from 1 to 21", "last: 30: must be a whole number from 0 to 20", first="abc", last=30)
 
     def test_a_replay_of_a_vehicle_that_is_not_recorded_is_rejected(self):
