@@ -183,6 +183,11 @@ class LinearMap(unittest.TestCase):
 
 
 class LinearTheory(FolderTest):
+    def test_a_warning_about_the_cars_with_and_without_limits_is_printed_once(self):
+        drive = self.write("drive.csv", "time,speed\n" + "".join("{},{}\n".format(second, 25 + 5 * second) for second in range(20)))
+        report = sp.analyze(sp.Model.load("acc_limits.yaml").replace(leader=drive), followers=2, steps=100).report
+        self.assertEqual(report.count("leader: speed of "), 1, report)
+
     def test_analysis_and_summary_have_the_theory_of_the_same_cars_without_limits(self):
         acc = sp.Model.load("acc_limits.yaml").replace({"noise_variance": 0.04, "limits/input": [-0.12, 0.1]})
         heard = sp.Model.load("leader_and_predecessor.yaml").replace({"limits/input": [-12.0, 10.0], "start": "steady"})

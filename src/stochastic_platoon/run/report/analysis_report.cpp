@@ -136,7 +136,13 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
     text += "no theory, as " + *analysis.without_theory + ": monte_carlo measures their effect\n" + age_report(model) +
             report(configuration, analysis.signals) + warning_lines(analysis.warnings);
     if (!analysis.linear) return text;
-    text += "The same cars without limits (linear): " + report(linear_configuration(configuration), *analysis.linear) +
+    Analysis linear = *analysis.linear;
+    const auto is_shown = [&above = analysis.warnings](const std::string& warning) {
+      return std::find(above.begin(), above.end(), warning) != above.end();
+    };
+    linear.warnings.erase(std::remove_if(linear.warnings.begin(), linear.warnings.end(), is_shown),
+                          linear.warnings.end());
+    text += "The same cars without limits (linear): " + report(linear_configuration(configuration), linear) +
             beyond_limits_report(configuration, analysis.beyond_limits);
     return text;
   }
