@@ -56,6 +56,10 @@ class Models(ModuleTest):
         self.assertEqual(sp.Model.load("paper_at_rest.yaml").vehicle(3).place, -3 * sp.Model.load("paper_at_rest.yaml").vehicle(0).standstill_distance)
         self.assertRaises(IndexError, model.vehicle, -1)
         self.assertRaises(IndexError, model.vehicle_to_dict, -1)
+        self.assertEqual(model.vehicle(np.int64(3)).place, vehicle.place)
+        for bad in (1.5, 10**30, "1"):
+            for function in (model.vehicle, model.vehicle_to_dict):
+                self.assertRaisesText(ValueError, "vehicle: {!r}: must be a whole number from 0 to 18446744073709551615".format(bad), function, bad)
 
     def test_the_keys_of_a_vehicle_are_those_of_its_type(self):
         model = sp.Model.load("mixed.yaml")

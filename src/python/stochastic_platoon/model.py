@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
@@ -26,10 +27,16 @@ def _as_json(value: Any, name: str = "model") -> str:
 
 
 def checked_vehicle(index: int) -> int:
-    """The number of a vehicle. Raises IndexError if it is negative. Internal."""
-    if index < 0:
+    """The number of a vehicle. Raises IndexError if it is negative, and ValueError for what is no whole number of 64 bits. Internal."""
+    try:
+        number = operator.index(index)
+    except TypeError:
+        number = 2**64
+    if number < 0:
         raise IndexError("vehicle: {}: must be 0 or more".format(index))
-    return index
+    if number >= 2**64:
+        raise ValueError("vehicle: {:.80}: must be a whole number from 0 to {}".format(repr(index), 2**64 - 1))
+    return number
 
 
 FASTEST_CAR = _platoon.fastest_car  #: [m/s], of the warnings about implausible runs, as the next two

@@ -35,7 +35,9 @@ LossTrace LossTrace::of_runs(const std::string& runs) {
                     static_cast<std::size_t>(kLongest)));
     received.insert(received.end(), static_cast<std::size_t>(run), arrives);
   }
-  if (!numbers.eof()) throw std::invalid_argument("must be a list of whole numbers");
+  if (!numbers.eof())
+    throw std::invalid_argument(
+        formatted("must be a list of whole numbers, %zu entries in all", static_cast<std::size_t>(kLongest)));
   return LossTrace(std::move(received));
 }
 

@@ -45,7 +45,7 @@ States recurrent(const Eigen::MatrixXd& transition) {
     if (!returns) continue;
     if (!found.empty() && !ahead[static_cast<std::size_t>(found.front())])
       throw std::invalid_argument(formatted("transition: a chain that never changes between states %d and %d: must mix",
-                                            static_cast<int>(found.front()) + 1, static_cast<int>(state) + 1));
+                                            static_cast<int>(found.front()), static_cast<int>(state)));
     found.push_back(state);
   }
   return found;
@@ -75,12 +75,11 @@ void check(const Eigen::MatrixXd& transition, const Eigen::VectorXd& probability
     for (Eigen::Index j = 0; j < n; ++j) {
       if (!(transition(i, j) >= 0.0))
         throw std::invalid_argument(
-            formatted("transition: row %d: %g: must be at least 0", static_cast<int>(i) + 1, transition(i, j)));
+            formatted("transition[%d]: %g: must be at least 0", static_cast<int>(i), transition(i, j)));
     }
     const double sum = transition.row(i).sum();
     if (!(std::abs(sum - 1.0) <= 1e-9))
-      throw std::invalid_argument(
-          formatted("transition: row %d: a sum of %.10g: must be 1", static_cast<int>(i) + 1, sum));
+      throw std::invalid_argument(formatted("transition[%d]: a sum of %.10g: must be 1", static_cast<int>(i), sum));
   }
   if (probability.size() != n)
     throw std::invalid_argument(formatted("probability: %d numbers: must be one for each of the %d states",

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::int64_t kLongestRadioDelay = 100, kFarthest = 100;
 constexpr std::size_t kMostInputs = 32;
+constexpr char kOneStepLater[] = "the input of step k is known one step later";
 
 InputSignal signal_named(const std::string& name) {
   for (const InputSignal signal : {InputSignal::speed, InputSignal::acceleration, InputSignal::input}) {
@@ -39,12 +40,12 @@ LinkModel read_input_link(Section channel, Input& input, const LinkModel& base, 
   if (channel.has("packet")) input.packet = channel.text("packet");
   const bool sends_input = input.signal == InputSignal::input;
   if (sends_input && !channel.has("delay")) {
-    channel.reject("delay", "missing", "1 or more: the input of step k is known one step later");
+    channel.reject("delay", "missing", std::string("1 or more: ") + kOneStepLater);
     return base;
   }
   const LinkModel link = read_link(channel, base, allow_unstable, input.signal);
   if (sends_input && link.delay < 1)
-    channel.reject("delay", std::to_string(link.delay), "1 or more: the input of step k is known one step later");
+    channel.reject("delay", std::to_string(link.delay), std::string("1 or more: ") + kOneStepLater);
   if (sends_input && link.delay > kLongestRadioDelay)
     channel.reject("delay", std::to_string(link.delay),
                    "at most " + std::to_string(kLongestRadioDelay) + " steps for a radio");
@@ -69,8 +70,11 @@ Input read_input(Section& section, InputSignal signal, bool first, const Vehicle
   }
   if (first) input.noise_variance = vehicle.position().noise_variance;
   if (!first || section.has("noise_variance")) input.noise_variance = section.number("noise_variance", kNotNegative);
-  if (section.has("channel") || signal == InputSignal::input)
+  if (signal == InputSignal::input && !section.has("channel")) {
+    section.reject("channel", "missing", std::string("{delay: 1} or more: ") + kOneStepLater);
+  } else if (section.has("channel")) {
     input.link = read_input_link(section.section("channel"), input, input.link, allow_unstable);
+  }
   section.reject_unknown_keys();
   return input;
 }

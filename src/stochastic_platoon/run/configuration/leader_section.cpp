@@ -38,11 +38,12 @@ std::vector<double> read_drive(Section& section, double sample_period, bool stea
   const std::size_t before = section.problems();
   RecordedDrive drive;
   drive.file = section.text("file");
-  if (section.has("time")) drive.time = section.text("time");
+  const std::string column = "the name of a column, beside file";
+  if (section.has("time")) drive.time = section.text("time", column);
   drive.is_speed = !section.has("position");
-  if (!drive.is_speed) drive.value = section.text("position");
+  if (!drive.is_speed) drive.value = section.text("position", column);
   if (!drive.is_speed && section.has("speed")) section.reject("speed", "given", "absent beside position");
-  if (drive.is_speed && section.has("speed")) drive.value = section.text("speed");
+  if (drive.is_speed && section.has("speed")) drive.value = section.text("speed", column);
   const std::map<std::string, double>& units = drive.is_speed ? kSpeedUnits : kLengthUnits;
   if (section.has("unit")) {
     std::vector<std::string> names;

@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/fraction.hpp"
 #include "stochastic_platoon/run/configuration/number_table.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
@@ -115,7 +116,7 @@ void read_trace(Section& section, LossModel& loss) {
   try {
     loss.trace = std::make_shared<LossTrace>(is_file ? trace_of(text, column) : LossTrace::of_runs(text));
   } catch (const std::invalid_argument& error) {
-    section.report(key + ": " + error.what());
+    section.report(key + ": " + (is_file ? "" : printable(shortened(text)) + ": ") + error.what());
     return;
   }
   loss.probability = loss.trace->probability();
@@ -173,6 +174,9 @@ LossModel read_loss(Section section, const std::optional<LossModel>& base, bool 
     read_trace(section, loss);
   } else if (section.has("markov")) {
     read_markov(section, loss);
+  } else if (!base && !section.has("probability") && section.has("mean_burst")) {
+    section.reject("mean_burst", "given",
+                   "beside a loss probability (probability, as an option --loss), as the link loses nothing");
   } else if (!base || section.has("probability")) {
     loss.probability = section.number("probability", kLossProbability);
     if (loss.trace || loss.markov) loss.mean_burst.reset();

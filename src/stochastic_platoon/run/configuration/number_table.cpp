@@ -89,8 +89,9 @@ double NumberTable::number(std::size_t j, double most) const {
   const std::string text = place < cells_.size() ? cells_[place] : "";
   const std::optional<double> value = number_in(text);
   if (!value || !(std::abs(*value) <= most))
-    fail_row(printable(columns_[j]) + ": " + (text.empty() ? "(empty)" : printable(shortened(text))) +
-             ": must be a finite number" + (text.find(',') == std::string::npos ? "" : " with a decimal point"));
+    fail_row(printable(columns_[j]) + ": " + (text.empty() ? "(empty)" : printable(shortened(text))) + ": must be " +
+             (value && std::isfinite(*value) ? formatted("at most %g in magnitude", most) : "a finite number") +
+             (text.find(',') == std::string::npos ? "" : " with a decimal point"));
   return *value;
 }
 

@@ -2,6 +2,7 @@
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/number_table.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
@@ -26,14 +27,17 @@ std::vector<double> positions_of(const RecordedDrive& drive, double sample_perio
   if (!table.next()) table.fail("holds no rows below the column names");
   Sample before = sample_of(table, drive);
   const double first = before.second;
+  double last = first;
   before.second = 0.0;
   std::vector<double> values;  // at from_second, from_second + T_s, ...
   const auto time_of = [&](std::size_t k) { return drive.from_second + static_cast<double>(k) * sample_period; };
   while (table.next()) {
     Sample sample = sample_of(table, drive);
+    const double time = sample.second;
     sample.second -= first;
     const double passed = sample.second - before.second;
-    if (!(passed > 0.0)) table.fail_row(formatted("%s does not ascend", drive.time.c_str()));
+    if (!(passed > 0.0))
+      table.fail_row(printable(drive.time) + formatted(": %.15g after %.15g: must ascend", time, last));
     if (passed > kLongestGap)
       table.fail_row(formatted("%g s after the row before: must be at most %g s", passed, kLongestGap));
     while (time_of(values.size()) <= sample.second) {
@@ -41,6 +45,7 @@ std::vector<double> positions_of(const RecordedDrive& drive, double sample_perio
       values.push_back(before.value + share * (sample.value - before.value));
     }
     before = sample;
+    last = time;
   }
   if (values.size() < 2)
     table.fail(

@@ -11,6 +11,7 @@
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
@@ -151,7 +152,14 @@ void merge_points(const Sweep& sweep, const std::vector<std::uint64_t>& points, 
   std::vector<std::string> problems;
   for (const std::uint64_t point : points) {
     std::vector<std::string> folders;
-    for (std::uint64_t i = 0; i < sweep.shards; ++i) folders.push_back(shard_folder(settings.output, point, i));
+    for (std::uint64_t i = 0; i < sweep.shards; ++i) {
+      const std::string folder = shard_folder(settings.output, point, i);
+      if (may_exist(folder)) folders.push_back(folder);
+    }
+    if (folders.empty()) {
+      for (std::uint64_t i = 0; i < sweep.shards; ++i) tasks.push_back(point * sweep.shards + i);
+      continue;
+    }
     const Configuration configuration = sweep.configuration(point);
     try {
       const MergedRun merged = merge(folders);

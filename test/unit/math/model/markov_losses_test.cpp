@@ -52,12 +52,12 @@ TEST(MarkovLosses, AreRejectedWithTheReason) {
     return message_of<std::invalid_argument>([&] { losses(transition, probability); });
   };
   const Eigen::Vector2d half(0.0, 0.5);
-  EXPECT_EQ(problem(good_and_bad(0.1, 0.3) * 1.1, half), "transition: row 1: a sum of 1.1: must be 1");
-  EXPECT_EQ(problem(good_and_bad(-0.1, 0.3), half), "transition: row 1: -0.1: must be at least 0");
+  EXPECT_EQ(problem(good_and_bad(0.1, 0.3) * 1.1, half), "transition[0]: a sum of 1.1: must be 1");
+  EXPECT_EQ(problem(good_and_bad(-0.1, 0.3), half), "transition[0]: -0.1: must be at least 0");
   EXPECT_EQ(problem(good_and_bad(1.0, 1.0), half),
             "transition: a chain that returns to its states every 2 steps: must have no period");
   EXPECT_EQ(problem(good_and_bad(0.0, 0.0), half),
-            "transition: a chain that never changes between states 1 and 2: must mix");
+            "transition: a chain that never changes between states 0 and 1: must mix");
   EXPECT_TRUE(
       begins_with(problem(good_and_bad(1e-9, 1e-9), half), "transition: a chain that leaves a set of states once"));
   EXPECT_EQ(problem(Eigen::MatrixXd::Constant(9, 9, 1.0 / 9.0), Eigen::VectorXd::Zero(9)),

@@ -75,7 +75,10 @@ TEST_F(RecordedDriveTest, EveryFaultNamesItsRow) {
             "row 3: speed: 1\\x00: must be a finite number");
   EXPECT_EQ(problem_with("time,speed,speed\n0,1,2\n1,1,2\n"), "row 1: columns 2 and 3 are speed: must be one");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0,5,1\n"), "row 3: 3 cells: must be at most 2, the number of columns");
-  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1\n0.5,1\n"), "row 4: time does not ascend");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1\n0.5,1\n"), "row 4: time: 0.5 after 0.5: must ascend");
+  EXPECT_EQ(problem_with("time,speed\n1700000000.25,1\n1700000000.125,1\n"),
+            "row 3: time: 1700000000.125 after 1700000000.25: must ascend");
+  EXPECT_EQ(problem_with("time,speed\n0,1\n0.5,1e200\n"), "row 3: speed: 1e200: must be at most 1e+09 in magnitude");
   EXPECT_EQ(problem_with("time,speed\n0,1\n1.5,1\n"), "row 3: 1.5 s after the row before: must be at most 1 s");
   EXPECT_EQ(problem_with("time,speed\n0,1\n0.4,1\n"),
             "ends 0.4 s after its first row: must go on beyond from_second = 0 s by a sample period of 0.5 s");
