@@ -10,6 +10,7 @@ import unittest
 
 import numpy as np
 import stochastic_platoon as sp
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 sys.dont_write_bytecode = True
 from plot_files import COUNT, PlotTest, TOOLS, gain_along_string, plot  # noqa: E402
@@ -228,6 +229,29 @@ class Sweeps(PlotTest):
 
     def test_draws_one_point_without_theory(self):
         self.assert_draws("sweep", self.make_sweep(self.row(0, 0.1, 3.2, theory="", stable="")))
+
+    def test_points_look_as_their_verdict_and_none_is_a_third_one(self):
+        self.make_sweep(*[self.row(at, 0.1, 3 + at, stable=stable) for at, stable in enumerate(("1", "0", ""))])
+        axes = plot.sweep.draw(plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv")))).axes[0]
+        faces = {bar[0].get_xdata()[0]: bar[0].get_markerfacecolor() for bar in axes.containers}
+        self.assertEqual((sorted(faces), len(set(faces.values())), faces[3.0]), ([3.0, 4.0, 5.0], 3, "white"))
+        entries = {text.get_text() for text in axes.get_legend().get_texts()}
+        self.assertGreaterEqual(entries, {"string stable", "not string stable", "no verdict"})
+        self.grid()
+        axes = plot.sweep.draw(plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv")))).axes[0]
+        self.assertNotIn("no verdict", {text.get_text() for text in axes.get_legend().get_texts()})
+
+    def test_the_legend_of_curves_with_long_names_is_within_the_figure_and_below_the_axes(self):
+        self.addCleanup(plot.style.apply)
+        names = ["{loss: {probability: 0.1 on_loss: hold}}", "{loss: {by_distance: [[0 0.1] [100 0.12] [200 0.3] [400 0.5]] on_loss: hold}}"]
+        self.make_sweep(*[self.row(2 * i + j, name, 3 + j) for i, name in enumerate(names) for j in range(2)])
+        for width in (None, 80.0, 180.0):
+            plot.style.apply(width)
+            figure = plot.sweep.draw(plot.sweep.tails_of(sp.Sweep.load(self.path("sweep.csv"))))
+            FigureCanvasAgg(figure).draw()
+            box, label = figure.axes[0].get_legend().get_window_extent(), figure.axes[0].xaxis.label.get_window_extent()
+            self.assertTrue(figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1 and figure.bbox.y0 <= box.y0, (width, box))
+            self.assertLess(box.y1, label.y0)
 
     def test_paired_axes_are_one_curve(self):
         self.make_sweep(*[self.row(i, 0.01 * i, 2.4 + 0.1 * i) for i in range(20)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -11,6 +12,10 @@ from matplotlib.figure import Figure
 
 from plotting import style
 from plotting.values import Array, drawable
+
+LETTERS = 12.0  # in a line of the legend per inch of the figure
+LEGEND_LINE = 0.16  # [inch]
+VERDICTS = ("not string stable", "string stable", "no verdict")
 
 
 class Curve(NamedTuple):
@@ -83,9 +88,8 @@ def shown(value: Any) -> str:
 def draw(tails: Tails) -> Figure:
     figure, axes = style.new_figure(1, 1, 6.2, 4.2)
     axes = axes[0, 0]
-    legend: List[Any] = []
     for at, curve in enumerate(tails.curves):
-        legend += draw_curve(axes, curve, style.colour(at), style.marker(at))
+        draw_curve(axes, curve, style.colour(at), style.marker(at))
     if style.spread(np.concatenate([curve.variance for curve in tails.curves])) > style.WIDE_STRING:
         style.logarithmic(axes)
     else:
@@ -94,31 +98,60 @@ def draw(tails: Tails) -> Figure:
              "noise_variance": "noise variance $P_d$ [m$^2$]", "delay": "delay [steps]", "followers": "followers $N$"}
     axes.set_xlabel(names.get(tails.over, tails.over.replace("$", "\\$")))
     axes.set_ylabel("variance of the last $\\zeta_i$ [m$^2$]")
-    for stable, face, label in ((0, style.INK, "not string stable"), (1, "white", "string stable")):
-        if any((curve.string_stable == stable).any() for curve in tails.curves):
-            legend.append(style.legend_entry(marker="o", linestyle="", color=style.INK, markersize=4.5, markerfacecolor=face, label=label))
-    axes.legend(handles=legend)
+    place_legend(axes, legend_of(tails.curves, int(LETTERS * figure.get_figwidth())))
     return figure
 
 
-def draw_curve(axes: Axes, curve: Curve, colour: str, marker: str) -> List[Any]:
-    """Draws the theory and the measurements of a curve; returns the legend entries."""
-    prefix = curve.name.replace("$", "\\$") + ": " if curve.name else ""
-    legend: List[Any] = []
-    if np.isfinite(curve.theoretical_variance).any():
-        legend += axes.plot(curve.at, curve.theoretical_variance, "_" if curve.at.size == 1 else "-", color=colour, linewidth=1.3,
-                            label=prefix + "theory")
+def verdicts_of(curve: Curve) -> style.Indices:
+    """The index of each point's verdict in VERDICTS."""
+    verdicts: style.Indices = np.where(np.isnan(curve.string_stable), 2, curve.string_stable == 1.0)
+    return verdicts
+
+
+def face(verdict: int, colour: str) -> str:
+    """The inside of a point."""
+    return (colour, "white", "#c4c4c4")[verdict]
+
+
+def has_theory(curve: Curve) -> bool:
+    return bool(np.isfinite(curve.theoretical_variance).any())
+
+
+def draw_curve(axes: Axes, curve: Curve, colour: str, marker: str) -> None:
+    """Draws the theory and the measurements of a curve."""
+    if has_theory(curve):
+        axes.plot(curve.at, curve.theoretical_variance, "_" if curve.at.size == 1 else "-", color=colour, linewidth=1.3)
     many = curve.at.size > style.MANY
-    label = "{}measured, $\\pm${} standard errors".format(prefix, style.SHOWN_ERRORS)
-    shown = None
-    for stable in (True, False):
-        # Points without a verdict look like stable ones.
-        part = (curve.string_stable != 0) if stable else (curve.string_stable == 0)
-        if not part.any():
-            continue
-        shown = axes.errorbar(curve.at[part], curve.variance[part],
-                              yerr=style.SHOWN_ERRORS * curve.variance_standard_error[part], fmt=marker, color=colour,
-                              markersize=2.5 if many else 4.5, markerfacecolor="white" if stable else colour,
-                              markeredgewidth=0.6 if many else 1.0, capsize=0 if many else 2.5,
-                              elinewidth=0.7 if many else 1.0, label=label)
-    return legend + [shown]
+    for verdict in range(len(VERDICTS)):
+        part = verdicts_of(curve) == verdict
+        if part.any():
+            axes.errorbar(curve.at[part], curve.variance[part],
+                          yerr=style.SHOWN_ERRORS * curve.variance_standard_error[part], fmt=marker, color=colour,
+                          markersize=2.5 if many else 4.5, markerfacecolor=face(verdict, colour),
+                          markeredgewidth=0.6 if many else 1.0, capsize=0 if many else 2.5,
+                          elinewidth=0.7 if many else 1.0)
+
+
+def legend_of(curves: List[Curve], letters: int) -> List[Any]:
+    """An entry for each curve with a name, in lines of so many letters, and the entries of all curves."""
+    # A dollar sign begins no formula. Marked as such only after the line breaks, which could part it from its mark.
+    legend = [style.legend_entry(color=style.colour(at), marker=style.marker(at), markersize=4.5, linewidth=1.3,
+                                 markerfacecolor=face(verdicts_of(curve)[-1], style.colour(at)), linestyle="-" if has_theory(curve) else "",
+                                 label=textwrap.fill(curve.name, letters).replace("$", "\\$"))
+              for at, curve in enumerate(curves) if curve.name]
+    if any(map(has_theory, curves)):
+        legend.append(style.legend_entry(color=style.INK, linewidth=1.3, label="theory"))
+    legend.append(style.legend_entry(marker="|", linestyle="", color=style.INK, markersize=9,
+                                     label="measured, $\\pm${} standard errors".format(style.SHOWN_ERRORS)))
+    found = set(np.concatenate([verdicts_of(curve) for curve in curves]))
+    return legend + [style.legend_entry(marker="o", linestyle="", color=style.INK, markersize=4.5, markerfacecolor=face(verdict, style.INK),
+                                        label=label) for verdict, label in enumerate(VERDICTS) if verdict in found]
+
+
+def place_legend(axes: Axes, legend: List[Any]) -> None:
+    """Below the axes, as long names of curves leave no room in them; the figure grows by its lines."""
+    figure = axes.figure
+    columns = 1 if style.is_narrow() or max(len(entry.get_label()) for entry in legend) > 0.45 * LETTERS * figure.get_figwidth() else 2
+    lines = sum(entry.get_label().count("\n") + 1 for entry in legend) / columns
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * lines)
+    style.legend_below(axes, handles=legend, ncol=columns)
