@@ -41,6 +41,21 @@ class Report(RunTest):
         self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.variance[2, -1]), page)
         self.assertIn("<td class=\"number\">{:.6g}</td>".format(last.theoretical_variance[2, -1]), page)
 
+    def test_the_losses_of_a_link_are_on_the_page_and_not_called_lost_where_nothing_is_missing(self):
+        self.write("received.csv", "received\n1\n1\n1\n0\n")
+        model = sp.Model.load("cacc.yaml").replace({"inputs/0/channel/loss": {"probability": 0.2, "on_loss": "hold"},
+                                                    "inputs/1/channel/loss": {"trace": self.path("received.csv"), "column": "received", "on_loss": "hold"}})
+        run = sp.monte_carlo(model, followers=3, steps=50, realizations=200, seed=1, output=self.path("lossy"))
+        page = html.unescape(self.page(self.path("lossy")))
+        arrived = run.ages.share[(run.ages.age == 0) & (run.ages.input == 0)]
+        self.assertEqual((arrived.size, abs(arrived - 0.8).max() < 0.02), (3, True))
+        self.assertIn("<tr><th>lost on the links, position</th><td>{:.3g} to {:.3g} % on 3 links, by theory 20 %</td></tr>".format(
+            100 * (1 - arrived.max()), 100 * (1 - arrived.min())), page)
+        self.assertIn("<tr><th>lost on the links, input</th><td>2", page)
+        self.assertIn("<tr><th>positions in the statistics</th><td>{}, 0 missing</td></tr>".format(run.summary["positions_received"]), page)
+        self.assertNotIn("positions lost", page)
+        self.assertEqual(page.count("by theory 20 %"), 1)
+
     def test_every_number_of_a_model_has_its_unit_unless_it_has_none(self):
         without = {"headway_filter", "divide_by_one_plus_headway", "on_loss", "probability", "numerator", "denominator", "A", "B", "C",
                    "own_acceleration", "inputs", "string", "start", "spacing", "allow_unstable"}

@@ -13,6 +13,7 @@ import numpy as np
 import stochastic_platoon as sp
 from matplotlib.figure import Figure
 from plotting import amplification, files, gaps, style, tracking_errors
+from reporting import losses
 from scipy import special
 from stochastic_platoon.tables import Table
 
@@ -172,9 +173,8 @@ def what_was_run(run: sp.Results) -> str:
     steps = "endless, averages over time up to step {:.0f}".format(run.steps[-1]) if run.time_average else \
         "{} ({:.6g} s of {:g} s)".format(of["steps"], of["steps"] * period, period)
     return pairs([("followers", of["followers"]), ("steps", steps), ("realizations", run.realizations), ("seed", run.seed),
-                  ("hosting", of["hosting"]), ("attempts", of["attempts"]), ("positions received", of["positions_received"]),
-                  ("positions lost", of["positions_lost"]), ("date (UTC)", of["date"]), ("machine", of["host"]),
-                  ("version", "stochastic_platoon {}, revision {}{}".format(
+                  ("hosting", of["hosting"]), ("attempts", of["attempts"]), *losses.rows_of(run),
+                  ("date (UTC)", of["date"]), ("machine", of["host"]), ("version", "stochastic_platoon {}, revision {}{}".format(
                       of["version"], of["revision"], " (of changed sources)" if str(of["revision"]).endswith("-dirty") else "")),
                   ("command", " ".join(map(shlex.quote, of["command_line"])))])
 

@@ -114,7 +114,7 @@ void check_delivery(const nlohmann::json& summary, const Configuration& configur
                                        static_cast<unsigned long long>(configuration.run.realizations)));
   }
   if (const auto lost = summary.at("positions_lost").get<long long>(); lost != 0)
-    problems.push_back(formatted("positions lost: %lld: must be 0", lost));
+    problems.push_back(formatted("positions_lost: %lld: must be 0 positions missing from the statistics", lost));
 }
 
 void check_figures(const ResultTables& files, const Configuration& configuration, std::vector<std::string>& problems) {

@@ -44,10 +44,10 @@ TEST_F(ResultCheckTest, AnIncompleteRunDoesNotPass) {
   expect_problem(half, "not complete: 10 of 20 realizations");
 }
 
-TEST_F(ResultCheckTest, LostPositionsAreAProblem) {
+TEST_F(ResultCheckTest, PositionsMissingFromTheStatisticsAreAProblem) {
   RunResult lossy = result();
   --lossy.tally.positions_received;
-  expect_problem(lossy, "positions lost: 1");
+  expect_problem(lossy, "positions_lost: 1: must be 0 positions missing from the statistics");
 }
 
 TEST_F(ResultCheckTest, AFlippedBitInATableIsAProblem) {
