@@ -46,6 +46,16 @@ class Figures(PlotTest):
         self.assertEqual((axes.get_xscale(), left, right), ("log", 0.01, np.pi / 0.1))
         self.assertEqual(axes.lines[1].get_xdata().tolist(), [left])  # a peak at frequency 0
 
+    def test_the_legend_of_gains_does_not_lie_on_the_words_above_the_limit(self):
+        for peaks in ([1.0], [1.0, 1.6], [1.0, 1.6, 90.0]):
+            curves = [{"frequency": [1e-4, 0.0043, 0.006, 3.0], "gain": [1.0, peak, 0.9, 1e-3]} for peak in peaks]
+            paths = [self.make_analysis("acc_{}.json".format(at), gain_along_string=curve, sample_period=0.01) for at, curve in enumerate(curves)]
+            figure = plot.gain.draw([sp.Analysis.load(path) for path in paths], [])
+            FigureCanvasAgg(figure).draw()
+            words, legend = figure.axes[0].texts[0].get_window_extent(), figure.axes[0].get_legend().get_window_extent()
+            self.assertFalse(words.overlaps(legend), (words, legend))
+            self.assertTrue(legend.y0 >= 0.0 and legend.y1 <= figure.axes[0].xaxis.label.get_window_extent().y0, legend)
+
     def test_string_is_drawn_with_and_without_a_limit_and_runs(self):
         self.assert_draws("string", self.make_analysis("a.json"))
         self.assert_draws("string", self.path("a.json"), self.make_analysis("b.json", limit_variance=None),

@@ -43,7 +43,7 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
     names = style.names_of(titles, analyses)
     if len(analyses) > MOST_TOGETHER:
         return draw_each(analyses, names)
-    figure, axes = style.new_figure(1, 1, 6.0, 3.8)
+    figure, axes = style.new_figure(1, 1, 6.0, 3.8 + 0.17 * len(analyses))
     axes = axes[0, 0]
     top = 1.0
     for at, (analysis, name) in enumerate(zip(analyses, names)):
@@ -62,7 +62,7 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
     axes.set_xlim(SHOWN[0], fastest)
     axes.set_xlabel("frequency [rad/s]")
     axes.set_ylabel("gain along the string")
-    axes.legend()
+    style.legend_below(axes, ncol=1)  # a legend in the axes may lie on the words above
     return figure
 
 
