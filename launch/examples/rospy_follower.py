@@ -53,7 +53,7 @@ class Follower:
         self.y, self.y_before = y_next, self.y
 
 
-parser = argparse.ArgumentParser(description=__doc__)
+parser = argparse.ArgumentParser(description=__doc__, epilog="Example: rosrun stochastic_platoon rospy_follower.py 3")
 parser.add_argument("index", type=int, help="number of the follower, 1 or more")
 index = parser.parse_args(rospy.myargv()[1:]).index
 rospy.init_node("vehicle_{}".format(index), disable_rosout=True)

@@ -99,7 +99,7 @@ class Follower:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, epilog="Example: rosrun stochastic_platoon rospy_radio_follower.py 3")
     parser.add_argument("index", type=int, help="number of the follower, 1 or more")
     index = parser.parse_args(rospy.myargv()[1:]).index
     rospy.init_node("vehicle_{}".format(index), disable_rosout=True)

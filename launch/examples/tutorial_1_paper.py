@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""The paper's example: does the variance of the tracking error stay bounded along the string? tutorial_1_paper.py [FOLDER]"""
+"""The paper's example: does the variance of the tracking error stay bounded along the string?"""
 
+import argparse
 import os
-import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +10,9 @@ import stochastic_platoon as sp
 
 COLOURS = {3.2: "#0072B2", 2.4: "#D55E00"}
 
-folder = sys.argv[1] if len(sys.argv) > 1 else "."
+parser = argparse.ArgumentParser(description=__doc__, epilog="Example: tutorial_1_paper.py /tmp/tutorial")
+parser.add_argument("folder", nargs="?", default=".", help="folder for the picture, made if there is none (default: %(default)s)")
+folder = parser.parse_args().folder
 os.makedirs(folder, exist_ok=True)
 plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e4e4e4"})
 figure, axes = plt.subplots(figsize=(7.2, 3.8), constrained_layout=True)

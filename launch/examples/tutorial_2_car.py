@@ -1,15 +1,17 @@
 #!/usr/bin/python3
-"""Your own car, described by its lag, delay and gains: how short may its headway be? tutorial_2_car.py [FOLDER]"""
+"""Your own car, described by its lag, delay and gains: how short may its headway be?"""
 
+import argparse
 import json
 import os
-import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
 import stochastic_platoon as sp
 
-folder = sys.argv[1] if len(sys.argv) > 1 else "."
+parser = argparse.ArgumentParser(description=__doc__, epilog="Example: tutorial_2_car.py /tmp/tutorial")
+parser.add_argument("folder", nargs="?", default=".", help="folder for the picture, made if there is none (default: %(default)s)")
+folder = parser.parse_args().folder
 os.makedirs(folder, exist_ok=True)
 plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e4e4e4"})
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.8), constrained_layout=True)

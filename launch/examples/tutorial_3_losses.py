@@ -1,14 +1,16 @@
 #!/usr/bin/python3
-"""Positions by radio, some of them lost: how many losses does the string tolerate? tutorial_3_losses.py [FOLDER]"""
+"""Positions by radio, some of them lost: how many losses does the string tolerate?"""
 
+import argparse
 import os
-import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
 import stochastic_platoon as sp
 
-folder = sys.argv[1] if len(sys.argv) > 1 else "."
+parser = argparse.ArgumentParser(description=__doc__, epilog="Example: tutorial_3_losses.py /tmp/tutorial")
+parser.add_argument("folder", nargs="?", default=".", help="folder for the picture, made if there is none (default: %(default)s)")
+folder = parser.parse_args().folder
 os.makedirs(folder, exist_ok=True)
 plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.8), constrained_layout=True)

@@ -1,14 +1,16 @@
 #!/usr/bin/python3
-"""A recorded drive through a city as the leader: does the string amplify it? tutorial_5_drive.py [FOLDER]"""
+"""A recorded drive through a city as the leader: does the string amplify it?"""
 
+import argparse
 import os
-import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
 import stochastic_platoon as sp
 
-folder = sys.argv[1] if len(sys.argv) > 1 else "."
+parser = argparse.ArgumentParser(description=__doc__, epilog="Example: tutorial_5_drive.py /tmp/tutorial")
+parser.add_argument("folder", nargs="?", default=".", help="folder for the picture, made if there is none (default: %(default)s)")
+folder = parser.parse_args().folder
 os.makedirs(folder, exist_ok=True)
 plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e4e4e4"})
 figure, (speed, gaps, amplification) = plt.subplots(1, 3, figsize=(9.5, 3.4), constrained_layout=True)

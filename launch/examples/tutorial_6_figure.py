@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""A figure for a paper: two columns wide, as vectors, with a confidence band, its data and its runs. tutorial_6_figure.py [FOLDER]"""
+"""A figure for a paper: two columns wide, as vectors, with a confidence band, its data and its runs."""
 
+import argparse
 import os
-import sys
 from typing import Any, List
 
 import matplotlib.pyplot as plt
@@ -12,7 +12,9 @@ import stochastic_platoon as sp
 REALIZATIONS, SHOWN = 1000, {1: "#0072B2", 5: "#009E73", 20: "#D55E00"}
 CONFIDENCE = 1.96  # half width in standard errors of a band that holds 95 % of Gaussian estimates
 
-folder = sys.argv[1] if len(sys.argv) > 1 else "."
+parser = argparse.ArgumentParser(description=__doc__, epilog="Example: tutorial_6_figure.py /tmp/tutorial")
+parser.add_argument("folder", nargs="?", default=".", help="folder for the picture, made if there is none (default: %(default)s)")
+folder = parser.parse_args().folder
 os.makedirs(folder, exist_ok=True)
 plt.rcParams.update({
     "font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 8, "axes.linewidth": 0.6, "lines.linewidth": 1.0,

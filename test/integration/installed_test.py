@@ -9,6 +9,7 @@ catkin-tools and catkin-lint the test is skipped: status 77.
 
 import argparse
 import os
+import pathlib
 import shutil
 import subprocess
 import sys
@@ -74,7 +75,7 @@ class Installed(unittest.TestCase):
 
     def test_every_program_is_installed_and_runs(self):
         programs = set(live_platoon.TOOLS + live_platoon.NODES + live_platoon.SCRIPTS)
-        of_launch = {"isolated", "shards.sbatch"}  # scripts for bash and Slurm, which know no such options
+        of_launch = {"isolated", "shards.sbatch"}  # scripts for bash and Slurm, which have no --version
         self.assertEqual(live_platoon.programs_in(os.path.join(self.folder, "install", "lib", "stochastic_platoon")), programs | of_launch)
         each = "for tool in {}; do {{}} rosrun stochastic_platoon $tool {{}} || exit; done".format(" ".join(sorted(programs)))
         versions = self.installed(each.format("", "--version")).splitlines()
@@ -83,6 +84,10 @@ class Installed(unittest.TestCase):
         self.assertRegex(versions[0], "^stochastic_platoon [0-9.]+$")
         for said in self.installed(each.format("echo @of $tool;", "--help")).split("@of ")[1:]:
             self.assertIn("--version", said)
+        examples = sorted(path.name for path in pathlib.Path(self.folder, "install", "lib", "stochastic_platoon").glob("*.py"))
+        self.assertEqual(len(examples), 8)
+        for program in [*examples, *sorted(of_launch)]:
+            self.assertIn("Example: ", self.installed("rosrun stochastic_platoon {} --help".format(program)), program)
 
     def test_the_theory_is_that_of_the_installed_model_file(self):
         report = self.installed("rosrun stochastic_platoon analyze --json analysis.json")

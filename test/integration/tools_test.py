@@ -38,12 +38,17 @@ class EveryTool(unittest.TestCase):
             self.assertEqual((done.returncode, done.stdout), (0, "stochastic_platoon {}\n".format(version)), program)
 
     def test_prints_its_help(self):
-        for program in self.programs():
-            for option in ("--help", "-h"):
-                done = run(program, option)
-                self.assertEqual(done.returncode, 0, program)
-                self.assertIn("--version", done.stdout)
-                self.assertRegex(done.stdout, r"Example: (rosrun\s+stochastic_platoon )?\w")
+        launch = pathlib.Path(live_platoon.shared("launch"))
+        others = [str(path) for path in (*launch.glob("examples/*.py"), *(launch / name for name in ("demo", "isolated", "shards.sbatch")))]
+        self.assertEqual(len(others), 11)
+        with tempfile.TemporaryDirectory() as folder:
+            for program in self.programs() + others:
+                for option in ("--help", "-h")[:1 if program.endswith(".py") else 2]:
+                    done = run("env", "--chdir=" + folder, program, option)
+                    self.assertEqual(done.returncode, 0, program)
+                    self.assertEqual("--version" in done.stdout, program not in others, program)
+                    self.assertRegex(done.stdout, r"Example: (rosrun\s+stochastic_platoon )?[\w./]", program)
+                    self.assertEqual(os.listdir(folder), [], program)
 
     def test_the_help_offers_nothing_that_is_rejected(self):
         text = run(live_platoon.executable("monte_carlo"), "--help").stdout
