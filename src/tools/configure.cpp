@@ -230,11 +230,11 @@ int configure_main(int argc, char** argv) {
         {"kept", "true: check the arguments of followers.launch, and nothing else"},
         {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
         {"replay_rate", "of a replay: its argument rate"},
-        {"start", "the same: its argument start"},
-        {"pause", "the same"},
-        {"patience", "the same"},
-        {"dashboard", "the same"},
-        {"stay", "the same"},
+        {"start", "of a replay: its argument start"},
+        {"pause", "of a replay: its argument pause"},
+        {"patience", "of a replay: its argument patience"},
+        {"dashboard", "of a replay: its argument dashboard"},
+        {"stay", "of a replay: its argument stay"},
         {"unverified", "true: with --bag, also of recordings without checksums"}}});
   try {
     if (line["quote_in_path"] == "true") {

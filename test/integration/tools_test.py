@@ -48,6 +48,8 @@ class EveryTool(unittest.TestCase):
                     self.assertEqual(done.returncode, 0, program)
                     self.assertEqual("--version" in done.stdout, program not in others, program)
                     self.assertRegex(done.stdout, r"Example: (rosrun\s+stochastic_platoon )?[\w./]", program)
+                    # Options are listed by their names, not in the order of the source.
+                    self.assertNotRegex(done.stdout, r"(?m)^ +-.*(  | arg +)the same\b", program)
                     self.assertEqual(os.listdir(folder), [], program)
 
     def test_the_help_offers_nothing_that_is_rejected(self):
