@@ -135,6 +135,27 @@ class Package(unittest.TestCase):
                     found += 1
         self.assertGreater(found, 50)
 
+    def test_sources_whose_tests_have_their_names_in_the_table_of_equations_have_such_tests(self):
+        """In a row with "tests of these names", but for those that it names a test for: `source` in `test`."""
+        table = text_of("src/README.md").split("| paper | source | test |")[1].split("\n\n")[0]
+        found = 0
+        for row in table.splitlines()[2:]:
+            sources, tests = row.split("|")[2:4]
+            if not re.match(r" tests? of th(ese|is) names?", tests):
+                continue
+            elsewhere = {os.path.basename(source): test for source, test in re.findall(r"`([\w/]+)` in `([\w/.]+)`", tests)}
+            folder = ""
+            for path in re.findall(r"`([\w/]+)`", sources):
+                folder = os.path.dirname(path) or folder
+                name = os.path.basename(path)
+                test = elsewhere.pop(name, None)
+                places = [test, os.path.join("test", "unit", "**", test + "_test.*")] if test else [
+                    os.path.join("test", "unit", folder, name + "_test.*"), os.path.join(folder, name + "_test.*")]
+                self.assertTrue(any(glob.glob(os.path.join(PACKAGE, place), recursive=True) for place in places), name + ": " + row)
+                found += 1
+            self.assertEqual(elsewhere, {}, "not a source of its row")
+        self.assertGreater(found, 30)
+
     def test_folders_depend_on_each_other_in_one_direction(self):
         """Folders of src/stochastic_platoon by their includes: no circle, and no wing includes one above it."""
         wings, below = ["math", "run", "ros"], collections.defaultdict(set)
