@@ -13,7 +13,7 @@ import numpy as np
 from .bounds import MAXIMA, MEAN, lower_bound
 from .model import Model, PathLike
 from .simulation import monte_carlo, positive, run_settings
-from .tuning_problem import Condition, Constraint, Figure, Point, Problem, Progress, box_of
+from .tuning_problem import Condition, Constraint, Figure, Point, Problem, Progress, box_of, more_is_better
 from .tuning_search import derivative, search
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ class Tuning:
     confirmation: Optional[Dict[str, Any]] = None  #: realizations, max_abs_z, agrees and verdict of monte_carlo()
     front: List[Dict[str, Any]] = field(default_factory=list)  #: the Pareto front: `over`, `against` and `variables` of each point
     axes: Tuple[str, str] = ("", "")  #: of the front: over, against
+    without_point: List[float] = field(default_factory=list)  #: the bounds of `against` for which no point was found
 
     def to_dict(self) -> Dict[str, Any]:
         """The content of tune.json."""
@@ -46,7 +47,7 @@ class Tuning:
             name: getattr(self, name) for name in ("minimise", "variables", "goal", "figures", "binding", "sensitivity", "bound",
                                                    "bound_reason", "evaluations", "confirmation")}
         if self.front:
-            document["pareto"] = {"over": self.axes[0], "against": self.axes[1], "points": self.front}
+            document["pareto"] = {"over": self.axes[0], "against": self.axes[1], "points": self.front, "without_point": self.without_point}
         return document
 
     def save(self, folder: PathLike) -> None:
@@ -79,7 +80,23 @@ class Tuning:
             lines.append("No point of this box reaches less than {:.9g}{}: {}".format(self.bound, below, self.bound_reason))
         if self.confirmation:
             lines.append("monte_carlo, {realizations} realizations: {verdict}".format(**self.confirmation))
-        return "\n".join(lines) + "\n"
+        return "\n".join(lines + self.table_of_front()) + "\n"
+
+    def table_of_front(self) -> List[str]:
+        """The front as lines of text, and the bounds without a point; empty without a front."""
+        if not self.front:
+            return []
+        over, against = self.axes
+        rows = [[against, over, *self.variables]]
+        rows += [["{:.6g}".format(value) for value in (point["against"], point["over"], *point["variables"].values())] for point in self.front]
+        widths = [max(map(len, column)) for column in zip(*rows)]
+        lines = ["Front: the {} {} for {} bounds of {}".format("greatest" if more_is_better(over) else "least", over,
+                                                              "lower" if more_is_better(against) else "upper", against)]
+        lines += ["  " + "  ".join(map(str.rjust, row, widths)) for row in rows]
+        if self.without_point:
+            lines.append("  no point found for {} {} {}".format(against, "of at least" if more_is_better(against) else "of at most",
+                                                               ", ".join(map("{:.6g}".format, self.without_point))))
+        return lines
 
 
 def sensitivities(problem: Problem, best: Point) -> Tuple[List[str], Dict[str, float]]:
@@ -186,7 +203,7 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
                     len(problem.evaluated))
     if front is not None:
         result.axes, points = front
-        result.front = front_of(problem, *result.axes, points)
+        result.front, result.without_point = front_of(problem, *result.axes, points)
     if realizations > 0:
         progress("monte_carlo", realizations, result.goal)
         result.confirmation = confirmed(found, realizations, followers, steps)
@@ -211,27 +228,35 @@ def axes_of(pareto: Mapping[str, Any]) -> Tuple[Tuple[str, str], int]:
     return (str(pareto["over"]), str(pareto["against"])), points
 
 
-def front_of(problem: Problem, over: str, against: str, points: int) -> List[Dict[str, Any]]:
-    """The least `over` for evenly spaced upper bounds of `against`, between the value of `against` at the least `over` and its own
-    least value. Raises ValueError."""
+def front_of(problem: Problem, over: str, against: str, points: int) -> Tuple[List[Dict[str, Any]], List[float]]:
+    """The best `over` for evenly spaced bounds of `against`, between the value of `against` at the best `over` and its own best value, and
+    the bounds for which no point was found. The best value is the least, and the largest of figures of which more is better. Raises
+    ValueError."""
+    signs = {figure: -1.0 if more_is_better(figure) else 1.0 for figure in (over, against)}
+
     def solve(goal: str, bounds: List[Constraint], starts: Sequence[Array]) -> Tuple[Problem, Point]:
         other = Problem(problem.model, goal, problem.over, problem.constraints + bounds, problem.settings, problem.collision_probability,
-                        problem.progress, "front")
+                        problem.progress, "front", sign=signs[goal])
         return other, search(other, starts)
 
-    _, least_against = solve(against, [Constraint(over)], ())
-    ends, least_over = solve(over, [Constraint(against)], ())
-    low, high = _number(least_against.goal), _number(least_over.figures[-1])
-    if least_against.violation or least_over.violation or not low < high:
-        raise ValueError("pareto: {} and {} do not compete in this box: both are least at the same point".format(over, against))
-    front, place = [], ends.place_of(least_over.values)
-    for level in np.linspace(high, low, points):
-        bound = Constraint(against, high=float(level) + 1e-6 * abs(float(level)))
-        for start in (place, ends.place_of(least_against.values)):
-            _, best = solve(over, [bound], [start])
-            if best.violation == 0.0:
+    _, best_against = solve(against, [Constraint(over)], ())
+    ends, best_over = solve(over, [Constraint(against)], ())
+    sign = signs[against]
+    best, worst = sign * _number(best_against.goal), _number(best_over.figures[-1])
+    if best_against.violation or best_over.violation or not sign * best < sign * worst:
+        raise ValueError("pareto: {} and {} do not compete in this box: both are best at the same point".format(over, against))
+    front, without, place = [], [], ends.place_of(best_over.values)
+    for level in np.linspace(worst, best, points):
+        end = float(level) + sign * 1e-6 * abs(float(level))
+        bound = Constraint(against, low=end) if sign < 0.0 else Constraint(against, high=end)
+        for start in (place, ends.place_of(best_against.values)):
+            _, found = solve(over, [bound], [start])
+            if found.violation == 0.0:
                 break
-        if best.violation == 0.0:
-            place = ends.place_of(best.values)
-            front.append({"over": best.goal, "against": best.figures[-1], "variables": dict(zip(problem.over, best.values))})
-    return front
+        if found.violation == 0.0:
+            place = ends.place_of(found.values)
+            front.append({"over": signs[over] * _number(found.goal), "against": found.figures[-1],
+                          "variables": dict(zip(problem.over, found.values))})
+        else:
+            without.append(float(level))
+    return front, without

@@ -38,6 +38,11 @@ def figures_of(document: Any, prefix: str = "") -> List[str]:
     return [] if isinstance(document, (str, list, np.ndarray)) else [prefix]
 
 
+def more_is_better(figure: str) -> bool:
+    """Whether a figure is one of AT_LEAST. Internal."""
+    return figure.replace(".", "/").split("/")[-1] in AT_LEAST
+
+
 def whole_number(value: Any) -> Figure:
     """A figure as Python's own number; None for one that does not exist. Raises ValueError for a list or a text."""
     if value is None or isinstance(value, (bool, np.bool_)):
@@ -81,8 +86,7 @@ class Constraint:
             return cls(figure, wanted=condition)
         try:
             if isinstance(condition, (int, float, np.number)):
-                at_least = figure.split("/")[-1] in AT_LEAST
-                low, high = (float(condition), math.inf) if at_least else (-math.inf, float(condition))
+                low, high = (float(condition), math.inf) if more_is_better(figure) else (-math.inf, float(condition))
             else:
                 first, last = condition
                 low = -math.inf if first is None else end_of_range(first)
@@ -98,12 +102,13 @@ class Constraint:
         return max((abs(bound) for bound in (self.low, self.high) if math.isfinite(bound)), default=0.0) or 1.0
 
     def margins(self, value: Figure) -> List[float]:
-        """Relative distances to each bound, negative if it is violated."""
+        """Relative distances to each bound, negative if it is violated. A figure without bounds has to exist."""
         if self.wanted is not None:
             return [0.0 if value == self.wanted else -1.0]
-        if value is None:
-            return [-1.0] * (math.isfinite(self.low) + math.isfinite(self.high))
-        return [(value - self.low) / self.scale] * math.isfinite(self.low) + [(self.high - value) / self.scale] * math.isfinite(self.high)
+        finite = (math.isfinite(self.low), math.isfinite(self.high))
+        if value is None or not any(finite):
+            return [-1.0 if value is None else 1.0] * max(sum(finite), 1)
+        return [(value - self.low) / self.scale] * finite[0] + [(self.high - value) / self.scale] * finite[1]
 
     def __str__(self) -> str:
         if self.wanted is not None:
@@ -140,6 +145,7 @@ class Problem:
     progress: Progress = lambda stage, evaluations, goal: None
     stage: str = "search"
     also: Sequence[str] = ()  #: further figures that must exist
+    sign: float = 1.0  #: of the goal: -1 finds the largest value of `minimise`
     evaluated: Dict[Tuple[float, ...], Point] = field(default_factory=dict)
     least: Optional[Point] = None
     threads: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(os.cpu_count()))
@@ -209,7 +215,7 @@ class Problem:
         self.evaluated[point.values] = point
         if self.least is None or point.merit < self.least.merit:
             self.least = point
-        self.progress(self.stage, len(self.evaluated), self.least.merit)
+        self.progress(self.stage, len(self.evaluated), self.least.merit * (self.sign if self.least.violation == 0.0 else 1.0))
 
     def prepare(self, places: Sequence[Array]) -> None:
         """Computes several places at once; the theory runs in threads."""
@@ -236,7 +242,7 @@ class Problem:
                 violation += 1.0 + self.amplification(model)
         except (ValueError, KeyError):  # a figure may have no theory here
             return Point(values, None, missing, 2.0 + len(missing) + self.instability(values))
-        return Point(values, goal, figures, violation)
+        return Point(values, None if goal is None else self.sign * goal, figures, violation)
 
     def value(self, path: str, model: Model, document: Mapping[str, Any]) -> Figure:
         return whole_number(model_value(model, path) if path in self.of_model else at_path(document, path))

@@ -1,0 +1,53 @@
+#!/usr/bin/python3
+"""What tune reports: fronts, binding constraints, sensitivities and kinks, and faults of its input."""
+
+import unittest
+from unittest import mock
+
+import stochastic_platoon as sp
+from stochastic_platoon import tuning
+
+from tune_test import tuned
+
+ACC = sp.Model.load("acc.yaml")
+BOX = {"controller/kp": [0.05, 3.0], "controller/kd": [0.1, 4.0]}
+
+
+class Fronts(unittest.TestCase):
+    def front(self, over, against, points, box=BOX):
+        return tuned(ACC, minimise="limit_variance", over=box, pareto={"over": over, "against": against, "points": points})
+
+    def test_no_point_is_worse_in_both_figures_than_another(self):
+        for over, against, signs in (("limit_variance", "phase_margin", (1, -1)), ("phase_margin", "limit_variance", (-1, 1))):
+            with self.subTest(over=over):
+                result = self.front(over, against, 4)
+                self.assertEqual((len(result.front), result.without_point), (4, []))
+                costs = [(signs[0] * point["over"], signs[1] * point["against"]) for point in result.front]
+                for one in costs:
+                    self.assertFalse([other for other in costs if other != one and other[0] <= one[0] and other[1] <= one[1]], costs)
+                for point in result.front:  # the figures themselves, not their negatives
+                    self.assertGreater(min(point["over"], point["against"]), 0.0)
+
+    def test_the_report_shows_every_point_and_the_bounds_without_one(self):
+        whole, search = 5, tuning.search
+
+        def search_that_fails_once(problem, starts=()):
+            found = search(problem, starts)
+            bounds = [constraint.low for constraint in problem.constraints if constraint.figure == "delay_margin"]
+            return found._replace(violation=1.0) if starts and 1.46 < max(bounds) < 1.49 else found
+
+        with mock.patch.object(tuning, "search", search_that_fails_once):
+            result = self.front("limit_variance", "delay_margin", whole)
+        self.assertEqual(len(result.front) + len(result.without_point), whole)
+        self.assertEqual(len(result.without_point), 1)
+        self.assertEqual(result.to_dict()["pareto"]["without_point"], result.without_point)
+        self.assertIn("Front: the least limit_variance for lower bounds of delay_margin\n", result.report)
+        self.assertIn("no point found for delay_margin of at least {:.6g}\n".format(result.without_point[0]), result.report)
+        rows = [line.split() for line in result.report.split("Front:")[1].splitlines()[1:]]
+        self.assertEqual(rows[0], ["delay_margin", "limit_variance", *BOX])
+        for row, point in zip(rows[1:], result.front):
+            self.assertEqual(row, ["{:.6g}".format(value) for value in (point["against"], point["over"], *point["variables"].values())])
+
+
+if __name__ == "__main__":
+    unittest.main()
