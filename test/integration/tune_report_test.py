@@ -49,5 +49,42 @@ class Fronts(unittest.TestCase):
             self.assertEqual(row, ["{:.6g}".format(value) for value in (point["against"], point["over"], *point["variables"].values())])
 
 
+class Binding(unittest.TestCase):
+    def test_a_verdict_binds_at_its_border(self):
+        on_border = tuned(ACC, minimise="stationary_variance/19", over={"controller/kp": [0.05, 1.0]}, subject_to={"string_stable": True})
+        self.assertAlmostEqual(on_border.variables["controller/kp"], 0.1628002, places=6)
+        self.assertIn("string_stable", on_border.binding)
+        self.assertIn("string_stable: true (binding)", on_border.report)
+        inside = tuned(ACC, minimise="limit_variance", over={"controller/kp": [0.05, 1.0]}, subject_to={"string_stable": True})
+        self.assertEqual(inside.binding, [])
+
+    def test_a_bound_with_slack_does_not_bind(self):
+        """At a tenth of a percent from a bound, and for a bound of 0."""
+        result = tuned(ACC, minimise="time_headway_seconds", over={"time_headway_seconds": [1, 4]},
+                       subject_to={"string_stable": True, "time_headway_seconds": [3.154, 40], "limit_variance": [0, 1]})
+        self.assertAlmostEqual(result.goal, 3.15728161, places=6)
+        self.assertIn("string_stable", result.binding)
+        self.assertNotIn("time_headway_seconds", result.binding)
+        self.assertNotIn("limit_variance", result.binding)
+
+    def test_two_bounds_of_a_figure_cost_as_much_as_one(self):
+        slopes = [tuned(ACC, minimise="critical_headway_seconds", over=BOX, subject_to={"phase_margin": ends}) for ends in ([50, 50.002], [50, 180])]
+        self.assertEqual([result.binding for result in slopes], [["phase_margin"]] * 2)
+        self.assertAlmostEqual(slopes[0].sensitivity["phase_margin"] / slopes[1].sensitivity["phase_margin"], 1.0, delta=1e-3)
+
+    def test_a_minimum_with_a_kink_has_its_slopes_on_both_sides(self):
+        model = ACC.replace({"controller/ki": 0.01})
+        result = tuned(model, minimise="sensitivity_peak", over={"controller/kp": [0.05, 1.0], "controller/kd": [0.1, 1.0]})
+        self.assertEqual((result.sensitivity, result.binding, set(result.kinks)), ({}, [], set(BOX)))
+        self.assertNotIn("changes by -", result.report)
+        for key, (behind, ahead) in result.kinks.items():
+            self.assertIn("Kink of the goal at {}: it changes by {:.6g} per unit more, and by {:.6g} per unit less".format(key, ahead, -behind),
+                          result.report)
+            for slope, step in ((behind, -1e-4), (ahead, 1e-4)):
+                moved = sp.analyze(result.model.replace({key: result.variables[key] + step}))["sensitivity_peak"]
+                self.assertGreater(slope * step, 0.0)
+                self.assertAlmostEqual((moved - result.goal) / (slope * step), 1.0, delta=0.1)
+
+
 if __name__ == "__main__":
     unittest.main()

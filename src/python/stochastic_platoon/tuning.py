@@ -14,12 +14,10 @@ from .bounds import MAXIMA, MEAN, lower_bound
 from .model import Model, PathLike
 from .simulation import monte_carlo, positive, run_settings
 from .tuning_problem import Condition, Constraint, Figure, Point, Problem, Progress, box_of, more_is_better
-from .tuning_search import derivative, search
+from .tuning_search import STEP, derivative, kinks, neighbours, one_sided, search
 
 if TYPE_CHECKING:
     from .tuning_problem import Array
-
-BINDING = 1e-4  # relative distance at which a bound counts as reached
 
 
 @dataclass
@@ -33,6 +31,7 @@ class Tuning:
     figures: Dict[str, Figure]  #: those of the constraints, at the optimum
     binding: List[str]  #: the constraints, and the variables at an end of their box
     sensitivity: Dict[str, float]  #: derivatives of the goal: by each variable, and by each binding constraint's bound
+    kinks: Dict[str, List[float]]  #: the slopes of the goal behind and ahead, by each variable by which it has no derivative
     bound: Optional[float]  #: no point of the box has a smaller goal; None without a proof
     bound_reason: str  #: how the bound was found, or why there is none
     evaluations: int
@@ -44,8 +43,8 @@ class Tuning:
     def to_dict(self) -> Dict[str, Any]:
         """The content of tune.json."""
         document: Dict[str, Any] = {
-            name: getattr(self, name) for name in ("minimise", "variables", "goal", "figures", "binding", "sensitivity", "bound",
-                                                   "bound_reason", "evaluations", "confirmation")}
+            name: getattr(self, name) for name in ("minimise", "variables", "goal", "figures", "binding", "sensitivity", "kinks",
+                                                   "bound", "bound_reason", "evaluations", "confirmation")}
         if self.front:
             document["pareto"] = {"over": self.axes[0], "against": self.axes[1], "points": self.front, "without_point": self.without_point}
         return document
@@ -73,6 +72,8 @@ class Tuning:
             lines.append("The box binds: a smaller goal may lie beyond the end of {}".format(", ".join(ends)))
         lines += ["Sensitivity: the goal changes by {:.6g} per unit of {}".format(value, name + (" bound" if name in self.figures else ""))
                   for name, value in self.sensitivity.items()]
+        lines += ["Kink of the goal at {}: it changes by {:.6g} per unit more, and by {:.6g} per unit less".format(key, ahead, -behind)
+                  for key, (behind, ahead) in self.kinks.items()]
         if self.bound is None:
             lines.append("No lower bound: " + self.bound_reason)
         else:
@@ -99,23 +100,38 @@ class Tuning:
         return lines
 
 
-def sensitivities(problem: Problem, best: Point) -> Tuple[List[str], Dict[str, float]]:
-    """The binding constraints and variables, and the derivatives of the goal."""
+def sensitivities(problem: Problem, best: Point) -> Tuple[List[str], Dict[str, float], Dict[str, List[float]]]:
+    """The binding constraints and variables, the derivatives of the goal, and its slopes behind and ahead where it has a kink. A constraint
+    binds if it is violated within the step of the differences."""
     place = problem.place_of(best.values)
     at_end = [key for key, u in zip(problem.over, place) if min(u, 1.0 - u) <= 1e-6]
-    active = [(constraint, k) for constraint, figure in zip(problem.constraints, best.figures) if constraint.wanted is None
-              for k, margin in enumerate(constraint.margins(figure)) if abs(margin) <= BINDING]
-    goal = derivative(lambda at: _number(problem.at(at).goal), place)
+    problem.prepare([at for size in (STEP, 10.0 * STEP) for pair in neighbours(place, size) for at in pair])
+    near = [point for point in (problem.at(at) for pair in neighbours(place) for at in pair) if (point.goal, *point.figures).count(None)
+            <= len(point.figures)]  # where nothing exists, the constraints are not what ends the region
+    binding = {constraint.figure: k for k, constraint in enumerate(problem.constraints)
+               if any(min(constraint.margins(point.figures[k])) < 0.0 for point in near
+                      if point.figures[k] is not None or constraint.wanted is not None)}  # a figure that ends has not reached its bound
+
+    def goal_at(at: Array) -> float:
+        return _number(problem.at(at).goal)
+
+    goal, kinked = derivative(goal_at, place), kinks(goal_at, place)
     by_value = derivative(lambda at: np.array(problem.values_at(at)), place).diagonal()
-    result = {key: float(slope / unit) for key, slope, unit in zip(problem.over, goal, by_value) if math.isfinite(slope)}
+    result = {key: float(slope / unit) for key, slope, unit, kink in zip(problem.over, goal, by_value, kinked)
+              if math.isfinite(slope) and not kink}
+    sides = zip(problem.over, *one_sided(goal_at, place), by_value, kinked)
+    at_kink = {key: [float(behind / unit), float(ahead / unit)] for key, behind, ahead, unit, kink in sides if kink}
     free = [axis for axis, key in enumerate(problem.over) if key not in at_end]
-    if active and free:
-        every = derivative(lambda at: np.array([_number(figure) for figure in problem.at(at).figures]), place)
-        slopes = np.array([every[problem.constraints.index(constraint)] for constraint, _ in active])
-        if np.isfinite(slopes).all() and np.isfinite(goal).all():
-            multipliers = np.linalg.lstsq(slopes[:, free].T, goal[free], rcond=None)[0]
-            result.update({constraint.figure: float(value) for (constraint, _), value in zip(active, multipliers)})
-    return [constraint.figure for constraint, _ in active] + at_end, result
+    rows = [k for k in binding.values() if problem.constraints[k].wanted is None]
+    if rows and free:
+        def figures_at(at: Array) -> Array:
+            return np.array([_number(problem.at(at).figures[k]) for k in rows])
+
+        slopes = derivative(figures_at, place)[:, free]
+        if np.isfinite(slopes).all() and np.isfinite(goal).all() and not (kinked[free].any() or kinks(figures_at, place)[:, free].any()):
+            multipliers = np.linalg.lstsq(slopes.T, goal[free], rcond=None)[0]
+            result.update({problem.constraints[k].figure: float(value) for k, value in zip(rows, multipliers)})
+    return list(binding) + at_end, result, at_kink
 
 
 def _number(value: Figure) -> float:
@@ -186,7 +202,7 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     best = search(problem)
     require_feasible(problem, best)
     require_dependence(problem, best)
-    binding, slopes = sensitivities(problem, best)
+    binding, slopes, at_kinks = sensitivities(problem, best)
     best = problem.best()
     found = problem.model_at(best.values)
     most = {constraint.figure: constraint.high for constraint in constraints
@@ -199,8 +215,8 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     if bound is not None and ignored:
         reason += "; it leaves out the constraints on " + ", ".join(ignored)
     result = Tuning(found, minimise, dict(zip(box, best.values)), _number(best.goal),
-                    dict(zip((constraint.figure for constraint in constraints), best.figures)), binding, slopes, bound, reason,
-                    len(problem.evaluated))
+                    dict(zip((constraint.figure for constraint in constraints), best.figures)), binding, slopes, at_kinks, bound,
+                    reason, len(problem.evaluated))
     if front is not None:
         result.axes, points = front
         result.front, result.without_point = front_of(problem, *result.axes, points)

@@ -91,9 +91,9 @@ def polish(problem: Problem, place: Array) -> None:
                       constraints=conditions, options={"maxiter": 15, "ftol": 1e-9})
 
 
-def neighbours(place: Array) -> List[Tuple[Array, Array]]:
+def neighbours(place: Array, size: float = STEP) -> List[Tuple[Array, Array]]:
     """For each axis the places behind and ahead, inside the unit cube."""
-    steps = STEP * np.eye(place.size)
+    steps = size * np.eye(place.size)
     return [(np.maximum(place - step, 0.0), np.minimum(place + step, 1.0)) for step in steps]
 
 
@@ -102,3 +102,21 @@ def derivative(function: Callable[[Array], Any], place: Array) -> Array:
     pairs = enumerate(neighbours(np.clip(place, 0.0, 1.0)))
     return np.stack([(np.asarray(function(ahead)) - np.asarray(function(behind))) / (ahead[axis] - behind[axis])
                      for axis, (behind, ahead) in pairs], axis=-1)
+
+
+def one_sided(function: Callable[[Array], Any], place: Array, size: float = STEP) -> Tuple[Array, Array]:
+    """The slopes behind and ahead, the same at the faces of the unit cube; the last axis is that of the place."""
+    here, slopes = np.asarray(function(place)), []
+    for axis, (behind, ahead) in enumerate(neighbours(place, size)):
+        both = [(np.asarray(function(at)) - here) / (at[axis] - place[axis]) for at in (behind, ahead) if at[axis] != place[axis]]
+        slopes.append((both[0], both[-1]))
+    first, last = (np.stack(side, axis=-1) for side in zip(*slopes))
+    return first, last
+
+
+def kinks(function: Callable[[Array], Any], place: Array) -> Array:
+    """Where the function has no derivative: its one-sided slopes differ by as much over ten times the step, while those of a smooth one
+    differ by ten times as much. Rounding counts as smooth; the last axis is that of the place."""
+    near, far = ((first, last, np.abs(last - first)) for first, last in (one_sided(function, place, size) for size in (STEP, 10.0 * STEP)))
+    rounding = 1e-9 * np.abs(np.asarray(function(place)))[..., None] / STEP
+    return np.asarray((near[2] > rounding) & (near[2] > 0.01 * np.abs(near[0] + near[1]) / 2.0) & (far[2] < 5.0 * near[2]))
