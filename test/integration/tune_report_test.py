@@ -1,13 +1,17 @@
 #!/usr/bin/python3
 """What tune reports: fronts, binding constraints, sensitivities and kinks, and faults of its input."""
 
+import math
+import subprocess
+import tempfile
 import unittest
 from unittest import mock
 
+import numpy as np
 import stochastic_platoon as sp
 from stochastic_platoon import tuning
 
-from tune_test import tuned
+from tune_test import TUNE, tuned
 
 ACC = sp.Model.load("acc.yaml")
 BOX = {"controller/kp": [0.05, 3.0], "controller/kd": [0.1, 4.0]}
@@ -84,6 +88,82 @@ class Binding(unittest.TestCase):
                 moved = sp.analyze(result.model.replace({key: result.variables[key] + step}))["sensitivity_peak"]
                 self.assertGreater(slope * step, 0.0)
                 self.assertAlmostEqual((moved - result.goal) / (slope * step), 1.0, delta=0.1)
+
+
+class Faults(unittest.TestCase):
+    KNOWN = {"minimise": "limit_variance", "over": {"controller/kp": [0.1, 1.0]}}
+
+    def faults(self, **arguments):
+        """The lines of the error that ends tune before its search; none if it begins to search."""
+        class Searched(Exception):
+            pass
+
+        with mock.patch.object(tuning, "search", side_effect=Searched):
+            try:
+                sp.tune(ACC, **{**self.KNOWN, **arguments})
+            except Searched:
+                return []
+            except ValueError as error:
+                return str(error).split("\n")
+
+    def test_each_is_found_before_the_search(self):
+        front = {"over": "limit_variance", "against": "phase_margin"}
+        for arguments, fault in (
+                ({"over": [1]}, "over: [1]: must be a mapping"),
+                ({"subject_to": ["string_stable"]}, "subject_to: ['string_stable']: must be a mapping"),
+                ({"pareto": [1]}, "pareto: [1]: must be over"),
+                ({"pareto": dict(front, points=True)}, "'points': True}: must be over"),
+                ({"pareto": dict(front, points=2.5)}, "'points': 2.5}: must be over"),
+                ({"minimise": None}, "minimise: None: must be the path of a figure"),
+                ({"minimise": "reason"}, "reason: must be a single number, and is 'string stable"),
+                ({"subject_to": {"string_stable": 1}}, "string_stable: is true or false: must be in subject_to, with true or false, not 1"),
+                ({"over": {"controller/kp": ["１", "２"]}}, "over: controller/kp: ['１', '２']: must be [low, high]"),
+                ({"over": {"controller/kp": ["0.1", "1_0"]}}, "over: controller/kp: ['0.1', '1_0']: must be [low, high]"),
+                ({"over": {"controller/kp": "12"}}, "over: controller/kp: '12': must be [low, high]"),
+                ({"subject_to": {"phase_margin": "５0"}}, "subject_to: phase_margin: '５0': must be true, false, a number"),
+                ({"subject_to": {"phase_margin": [None, "1_0"]}}, "subject_to: phase_margin: [None, '1_0']: must be true, false, a number"),
+                ({"realizations": -1}, "run/realizations: -1: must be a whole number >= 0; 0: no confirmation"),
+                *(({"bound_seconds": bad}, "bound_seconds: {}: must be a finite number >= 0 [s]".format(bad))
+                  for bad in (math.nan, math.inf, -1, "x", "1_0", None))):
+            with self.subTest(**arguments):
+                found = self.faults(**arguments)
+                self.assertEqual(len(found), 1, found)
+                self.assertIn(fault, found[0])
+
+    def test_numbers_of_numpy_and_texts_of_numbers_are_none(self):
+        front = {"over": "limit_variance", "against": "phase_margin", "points": np.int64(3)}
+        self.assertEqual(self.faults(subject_to={"string_stable": np.bool_(True), "phase_margin": "50"}, pareto=front, bound_seconds="0",
+                                     over={"controller/kp": np.array([0.1, 1.0])}, realizations=np.int64(5)), [])
+
+    def test_all_are_named_at_once(self):
+        found = self.faults(minimise="limit_varianc", over={"controller/kq": [1, 2], "controller/kp": [2, 1]}, pareto=[1], bound_seconds=-1,
+                            subject_to={"phase_margin": [60, 50], "string_stable": 1, "phase": 3}, realizations=-1, followers=0,
+                            collision_probability=0.7)
+        said = ["over: controller/kq: ", "over: controller/kp: [2, 1]: ", "subject_to: phase_margin: [60, 50]: ", "pareto: [1]: ",
+                "run/realizations: -1: ", "bound_seconds: -1: ", "run/followers: 0: ", "collision_probability: 0.7: ", "limit_varianc: no figure",
+                "string_stable: is true or false", "phase: no figure"]
+        self.assertEqual(len(found), len(said), found)
+        for fault in said:
+            self.assertEqual(sum(line.startswith(fault) for line in found), 1, (fault, found))
+
+    def test_a_reason_that_every_point_has_is_named(self):
+        with self.assertRaisesRegex(ValueError, "^over: nothing can be computed at any point found; at .*one of the two"):
+            tuned(ACC, minimise="limit_variance", over={"time_headway_seconds": [3.0, 4.0], "time_headway": [30.0, 40.0]})
+
+    def test_the_nearest_point_has_its_figures(self):
+        with self.assertRaises(ValueError) as caught:
+            tuned(ACC, minimise="limit_variance", over={"controller/kp": [0.05, 1.0]}, subject_to={"limit_variance": 1.4e-5})
+        self.assertRegex(str(caught.exception), r"nearest at controller/kp [\d.]+:\nlimit_variance: [\d.e-]+: must be at most 1.4e-05 \(nearest")
+
+    def test_the_program_names_its_option(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+            file.write("minimise: limit_variance\nover: {controller/numerator/0: [1, 1_0]}\n")
+            file.flush()
+            for bad in ("nan", "-1", "1_0", "x"):
+                done = subprocess.run([TUNE, file.name, "--bound=" + bad], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertIn("--bound: {}: must be a finite number >= 0 [s]\n".format(bad), done.stderr)
+                self.assertIn("over: controller/numerator/0: [1, '1_0']: must be [low, high]", done.stderr)
 
 
 if __name__ == "__main__":

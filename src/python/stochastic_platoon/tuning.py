@@ -13,7 +13,8 @@ import numpy as np
 from .bounds import MAXIMA, MEAN, lower_bound
 from .model import Model, PathLike
 from .simulation import monte_carlo, positive, run_settings
-from .tuning_problem import Condition, Constraint, Figure, Point, Problem, Progress, box_of, more_is_better
+from .tuning_input import axes_of, box_of, constraints_of, minimise_of, realizations_of, seconds_of
+from .tuning_problem import Condition, Constraint, Figure, Point, Problem, Progress, more_is_better
 from .tuning_search import STEP, derivative, kinks, neighbours, one_sided, search
 
 if TYPE_CHECKING:
@@ -158,17 +159,31 @@ def require_feasible(problem: Problem, best: Point) -> None:
     """Raises ValueError if no point satisfies all constraints, with the nearest one."""
     if best.violation == 0.0:
         return
-    where = ", ".join("{} {:.6g}".format(key, value) for key, value in zip(problem.over, best.values))
+    nearest = nearest_of(problem)
+    where = ", ".join("{} {:.6g}".format(key, value) for key, value in zip(problem.over, nearest.values))
+    if all(point.failure for point in problem.evaluated.values()):
+        raise ValueError("over: nothing can be computed at any point found; at {}: {}".format(where, nearest.failure))
     failure = "subject_to: no point found satisfies all constraints" if problem.constraints else "over: the goal exists at no point found"
     broken = ["{}; nearest at {}:".format(failure, where)]
-    if best.goal is None:
+    if nearest.goal is None:
         broken.append("{}: does not exist there".format(problem.minimise))
     for k, constraint in enumerate(problem.constraints):
-        if min(constraint.margins(best.figures[k]) + [0.0]) < 0.0:
+        if min(constraint.margins(nearest.figures[k]) + [0.0]) < 0.0:
             alone = [point.figures[k] for point in problem.evaluated.values() if point.figures[k] is not None]
             reached = max(alone, key=lambda value: min(constraint.margins(value) + [0.0])) if alone else None
-            broken.append("{}: {}: {} (nearest of all points: {})".format(constraint.figure, _text(best.figures[k]), constraint, _text(reached)))
+            broken.append("{}: {}: {} (nearest of all points: {})".format(constraint.figure, _text(nearest.figures[k]), constraint, _text(reached)))
     raise ValueError("\n".join(broken))
+
+
+def nearest_of(problem: Problem) -> Point:
+    """The point of the least violation among those where the most figures exist. The search has not computed the goal of all: the twenty
+    nearest get theirs."""
+    def rank(point: Point) -> Tuple[int, float]:
+        return point.figures.count(None) + (point.goal is None), point.violation
+
+    ranked = sorted(problem.evaluated.values(), key=lambda point: (point.figures.count(None), bool(point.failure), point.violation))
+    with_goal = [point for point in ranked if point.goal is not None][:1]
+    return min((problem.compute(point.values) for point in ranked[:20] + with_goal), key=rank)
 
 
 def _text(value: Figure) -> str:
@@ -192,13 +207,24 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     Raises ValueError for unknown figures and keys, an empty box, a key that nothing depends on, and constraints that no point
     satisfies; ImportError without SciPy.
     """
-    box = box_of(model, over)
-    constraints = [Constraint.of(figure, condition) for figure, condition in (subject_to or {}).items()]
+    faults: List[str] = []
+    minimise, box, constraints = minimise_of(minimise, faults), box_of(model, over, faults), constraints_of(subject_to, faults)
     constraints += [verdict.margin() for verdict in constraints if verdict.wanted and verdict.figure.endswith("string_stable")]
-    probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
-    settings = run_settings(followers=followers, steps=steps, realizations=None if realizations == 0 else realizations)
-    front = None if pareto is None else axes_of(pareto)
-    problem = Problem(model, minimise, box, constraints, settings, probability, progress, also=() if front is None else front[0])
+    axes, points = axes_of(pareto, faults)
+    realizations, bound_seconds = realizations_of(realizations, faults), seconds_of(bound_seconds, faults)
+    probability = ""
+    try:
+        probability = "" if collision_probability is None else repr(positive("collision_probability", collision_probability))
+    except ValueError as error:
+        faults.append(str(error))
+        probability = "0.01"  # one that is valid: figures of collision are no further fault
+    settings = run_settings(followers=followers, steps=steps, realizations=realizations or None)
+    try:
+        problem = Problem(model, minimise, box, constraints, settings, probability, progress, also=axes or ())
+    except ValueError as error:
+        faults.append(str(error))
+    if faults:
+        raise ValueError("\n".join(faults))
     best = search(problem)
     require_feasible(problem, best)
     require_dependence(problem, best)
@@ -217,8 +243,8 @@ def tune(model: Model, *, minimise: str, over: Mapping[str, Sequence[float]], su
     result = Tuning(found, minimise, dict(zip(box, best.values)), _number(best.goal),
                     dict(zip((constraint.figure for constraint in constraints), best.figures)), binding, slopes, at_kinks, bound,
                     reason, len(problem.evaluated))
-    if front is not None:
-        result.axes, points = front
+    if axes:
+        result.axes = axes
         result.front, result.without_point = front_of(problem, *result.axes, points)
     if realizations > 0:
         progress("monte_carlo", realizations, result.goal)
@@ -233,15 +259,6 @@ def confirmed(model: Model, realizations: int, followers: int, steps: Optional[i
     if results.max_abs_z is None or not verdicts:
         return None
     return {"realizations": realizations, "max_abs_z": results.max_abs_z, "agrees": "DISAGREE" not in verdicts[0], "verdict": verdicts[0]}
-
-
-def axes_of(pareto: Mapping[str, Any]) -> Tuple[Tuple[str, str], int]:
-    """The two figures of a front, and the number of its points. Raises ValueError."""
-    unknown = sorted(set(pareto) - {"over", "against", "points"})
-    points = pareto.get("points", 20)
-    if unknown or not {"over", "against"} <= set(pareto) or isinstance(points, bool) or not isinstance(points, int) or points < 2:
-        raise ValueError("pareto: {!r}: must be over: FIGURE, against: FIGURE, points: 2 or more".format(dict(pareto)))
-    return (str(pareto["over"]), str(pareto["against"])), points
 
 
 def front_of(problem: Problem, over: str, against: str, points: int) -> Tuple[List[Dict[str, Any]], List[float]]:

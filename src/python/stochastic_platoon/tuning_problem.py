@@ -52,13 +52,6 @@ def whole_number(value: Any) -> Figure:
     return float(value) if math.isfinite(float(value)) else None
 
 
-def end_of_range(value: Any) -> float:
-    """A number that was given, also as a text. Raises TypeError and ValueError, for a truth value, too. Internal."""
-    if isinstance(value, bool):
-        raise TypeError
-    return float(value)
-
-
 def model_value(model: Model, path: str) -> Any:
     """The value of a key of a model. Raises KeyError. Internal."""
     return model.time_headway_seconds if path == "time_headway_seconds" else at_path(model.to_dict(), path)
@@ -78,25 +71,6 @@ class Constraint:
         """The margin of the verdict string_stable, which has no slope: it leads the search along the border."""
         return Constraint(self.figure.replace("string_stable", "string_margin"), low=0.0, follows=True)
 
-    @classmethod
-    def of(cls, figure: str, condition: Condition) -> Constraint:
-        """Raises ValueError unless the condition is true, false, a bound or a pair of bounds, not empty."""
-        figure = figure.replace(".", "/")
-        if isinstance(condition, bool):
-            return cls(figure, wanted=condition)
-        try:
-            if isinstance(condition, (int, float, np.number)):
-                low, high = (float(condition), math.inf) if more_is_better(figure) else (-math.inf, float(condition))
-            else:
-                first, last = condition
-                low = -math.inf if first is None else end_of_range(first)
-                high = math.inf if last is None else end_of_range(last)
-        except (TypeError, ValueError):
-            low, high = math.nan, math.nan
-        if not low <= high:
-            raise ValueError("subject_to: {}: {!r}: must be true, false, a number, or [low, high] with low <= high".format(figure, condition))
-        return cls(figure, low, high)
-
     @property
     def scale(self) -> float:
         return max((abs(bound) for bound in (self.low, self.high) if math.isfinite(bound)), default=0.0) or 1.0
@@ -109,6 +83,14 @@ class Constraint:
         if value is None or not any(finite):
             return [-1.0 if value is None else 1.0] * max(sum(finite), 1)
         return [(value - self.low) / self.scale] * finite[0] + [(self.high - value) / self.scale] * finite[1]
+
+    @property
+    def condition(self) -> str:
+        """As in subject_to."""
+        if self.wanted is not None:
+            return str(self.wanted).lower()
+        bounds = ["{:g}".format(bound) for bound in (self.low, self.high) if math.isfinite(bound)]
+        return bounds[0] if len(bounds) == 1 else "[{}]".format(", ".join(bounds or ["null", "null"]))
 
     def __str__(self) -> str:
         if self.wanted is not None:
@@ -125,6 +107,7 @@ class Point(NamedTuple):
     goal: Figure
     figures: Tuple[Figure, ...]  #: one per constraint
     violation: float  #: 0 if all constraints hold and the goal exists
+    failure: str = ""  #: why nothing was computed
 
     @property
     def merit(self) -> float:
@@ -151,14 +134,20 @@ class Problem:
     threads: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(os.cpu_count()))
 
     def __post_init__(self) -> None:
-        conditions = {constraint.figure: constraint.wanted is not None for constraint in self.constraints if not constraint.follows}
-        paths = [self.minimise, *conditions, *self.also]
+        conditions = {constraint.figure: constraint for constraint in self.constraints if not constraint.follows}
+        paths = [path for path in dict.fromkeys([self.minimise, *conditions, *self.also]) if path]
         self.signals = ",".join(name for name in SIGNALS if any(path.replace(".", "/").startswith("signals/" + name) for path in paths))
-        if any(path.startswith("collision") for path in paths) and not self.collision_probability:
-            raise ValueError("collision_probability: missing: must be given for figures of collision")
-        everything = self.analyze(self.model, set())
         self.of_model = set()
         problems = []
+        if any(path.startswith("collision") for path in paths) and not self.collision_probability:
+            problems.append("collision_probability: missing: must be given for figures of collision")
+            paths = [path for path in paths if not path.startswith("collision")]
+        try:
+            everything = self.analyze(self.model, set())
+        except ValueError as error:  # settings; the figures do not depend on them
+            lines = str(error).split("\n")  # several have a heading
+            problems += [line.strip() for line in lines[1:] or lines]
+            everything = self.figures_without_settings(problems)
         for path in paths:
             try:
                 found = at_path(everything, path)
@@ -173,11 +162,15 @@ class Problem:
             try:
                 value = whole_number(found)
             except ValueError as error:
-                problems.append("{}: {}: name one of its entries, as {}".format(path, error, (figures_of(found, path) + ["-"])[0]))
+                entries = figures_of(found, path)
+                problems.append("{}: {}".format(path, "{}: name one of its entries, as {}".format(error, entries[0]) if entries else
+                                                "{}, and is {!r}".format(error, found)))
                 continue
-            if value is not None and isinstance(value, bool) != conditions.get(path, False):
-                problems.append("{}: is {}".format(path, "true or false: must be in subject_to, with true or false" if isinstance(value, bool)
-                                                   else "a number: must be a number or [low, high] in subject_to"))
+            condition = conditions.get(path)
+            if value is not None and isinstance(value, bool) != (condition is not None and condition.wanted is not None):
+                problems.append("{}: is {}{}".format(
+                    path, "true or false: must be in subject_to, with true or false" if isinstance(value, bool)
+                    else "a number: must be a number or [low, high] in subject_to", ", not " + condition.condition if condition else ""))
         if problems:
             raise ValueError("\n".join(problems))
         figures = [self.minimise] + [constraint.figure for constraint in self.constraints]
@@ -188,6 +181,13 @@ class Problem:
 
     def analyze(self, model: Model, keys: set) -> Dict[str, Any]:  # type: ignore[type-arg]
         return _platoon.analyze(handle_of(model), self.settings, self.signals, self.collision_probability, keys)[0]
+
+    def figures_without_settings(self, problems: List[str]) -> Dict[str, Any]:
+        """All figures with the default settings. Raises ValueError with the problems if the settings are not what is wrong."""
+        try:
+            return _platoon.analyze(handle_of(self.model), {}, self.signals, "0.01" if self.collision_probability else "", set())[0]
+        except ValueError:
+            raise ValueError("\n".join(problems)) from None
 
     def values_at(self, place: Array) -> Tuple[float, ...]:
         """The keys' values at a place of the unit cube; places outside count as their nearest inside."""
@@ -240,8 +240,8 @@ class Problem:
             goal = self.value(self.minimise, model, document)
             if goal is None:
                 violation += 1.0 + self.amplification(model)
-        except (ValueError, KeyError):  # a figure may have no theory here
-            return Point(values, None, missing, 2.0 + len(missing) + self.instability(values))
+        except (ValueError, KeyError) as error:  # a figure may have no theory here
+            return Point(values, None, missing, 2.0 + len(missing) + self.instability(values), str(error))
         return Point(values, None if goal is None else self.sign * goal, figures, violation)
 
     def value(self, path: str, model: Model, document: Mapping[str, Any]) -> Figure:
@@ -269,26 +269,3 @@ class Problem:
     def best(self) -> Point:
         assert self.least is not None
         return self.least
-
-
-def box_of(model: Model, over: Mapping[str, Sequence[float]]) -> Dict[str, Tuple[float, float]]:
-    """The box. Raises ValueError with all problems: empty ones, keys that the model does not have."""
-    box, problems = {}, []
-    for key, ends in over.items():
-        try:
-            low, high = (end_of_range(end) for end in ends)
-            if not (math.isfinite(low) and math.isfinite(high) and low < high):
-                raise ValueError
-            box[key] = (low, high)
-        except (TypeError, ValueError):
-            problems.append("over: {}: {!r}: must be [low, high], two finite numbers with low < high".format(key, ends))
-            continue
-        try:
-            model.replace({key: low, "allow_unstable": True})
-        except ValueError as error:
-            problems.append("over: {}: {}".format(key, error))
-    if not over:
-        problems.append("over: empty: must name at least one key of the model, as controller/kp: [0.1, 2.0]")
-    if problems:
-        raise ValueError("\n".join(problems))
-    return box
