@@ -161,13 +161,12 @@ def require_feasible(problem: Problem, best: Point) -> None:
         return
     nearest = nearest_of(problem)
     where = ", ".join("{} {:.6g}".format(key, value) for key, value in zip(problem.over, nearest.values))
-    if all(point.failure for point in problem.evaluated.values()):
-        raise ValueError("over: nothing can be computed at any point found; at {}: {}".format(where, nearest.failure))
-    failure = "subject_to: no point found satisfies all constraints" if problem.constraints else "over: the goal exists at no point found"
+    blamed = problem.constraints and not nearest.failure
+    failure = "subject_to: no point found satisfies all constraints" if blamed else "over: the goal exists at no point found"
     broken = ["{}; nearest at {}:".format(failure, where)]
     if nearest.goal is None:
-        broken.append("{}: does not exist there".format(problem.minimise))
-    for k, constraint in enumerate(problem.constraints):
+        broken.append("{}: does not exist there{}".format(problem.minimise, nearest.failure and ": " + nearest.failure))
+    for k, constraint in enumerate(problem.constraints if blamed else []):
         if min(constraint.margins(nearest.figures[k]) + [0.0]) < 0.0:
             alone = [point.figures[k] for point in problem.evaluated.values() if point.figures[k] is not None]
             reached = max(alone, key=lambda value: min(constraint.margins(value) + [0.0])) if alone else None
