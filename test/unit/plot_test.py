@@ -205,6 +205,22 @@ class Numbers(PlotTest):
         np.testing.assert_allclose(line.get_xdata(), [0.2, 0.3, 0.4])
         np.testing.assert_array_equal(line.get_ydata(), [np.nan, 5.0, 4.0])
 
+    def make_front(self, values, over="limit_variance", against="delay_margin"):
+        points = [{"over": value, "against": 1.0 + k, "variables": {"controller/kp": 0.1 + k}} for k, value in enumerate(values)]
+        return self.write(json.dumps({"pareto": {"over": over, "against": against, "points": points}}), "tune.json")
+
+    def test_a_front_of_a_wide_range_has_a_logarithmic_axis_and_all_have_units(self):
+        for largest, scale in ((1.0, "log"), (2e-4, "linear")):
+            figure = plot.pareto.draw([plot.pareto.load(self.make_front([1e-4, 1.5e-4, largest]))])
+            self.assertEqual([axes.get_yscale() for axes in figure.axes], [scale, "linear"])
+            self.assertEqual(figure.axes[0].get_ylabel(), "least limit_variance [m$^2$]")
+            self.assertEqual(figure.axes[1].get_xlabel(), "delay_margin [s]")
+        front = plot.pareto.load(self.make_front([60.0, 1.0], over="phase_margin", against="signals/speed/limit_variance"))
+        labels = plot.pareto.draw([front]).axes
+        self.assertEqual((labels[0].get_ylabel(), labels[1].get_xlabel()),
+                         ("greatest phase_margin [deg]", "signals/speed/limit_variance [(m/s)$^2$]"))
+        self.assert_draws("pareto", self.path("tune.json"))
+
 
 SWEEP = ("point,loss,headway,vehicle,step,count,mean,mean_standard_error,variance,variance_standard_error,"
          "theoretical_mean,theoretical_variance,string_stable,agrees")

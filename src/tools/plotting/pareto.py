@@ -1,4 +1,4 @@
-"""Pareto fronts of tune: the least value of one figure for each value of another, and the gains that reach it."""
+"""Pareto fronts of tune: the best value of one figure for each value of another, and the gains that reach it."""
 
 from __future__ import annotations
 
@@ -8,9 +8,15 @@ from typing import Any, Dict, NamedTuple, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 from stochastic_platoon import _platoon
+from stochastic_platoon.tuning_problem import more_is_better
 
 from plotting import style
 from plotting.values import Array
+
+UNITS = {"limit_variance": "m$^2$", "stationary_variance": "m$^2$", "variance": "m$^2$", "mean": "m", "phase_margin": "deg", "delay_margin": "s",
+         "critical_delay": "s", "critical_headway": "samples", "critical_headway_seconds": "s", "time_headway": "samples",
+         "time_headway_seconds": "s", "standstill_distance": "m", "required_standstill_distance": "m"}
+SIGNALS = {"gap": "m", "speed": "m/s", "acceleration": "m/s$^2$", "jerk": "m/s$^3$"}
 
 
 class Front(NamedTuple):
@@ -37,6 +43,22 @@ def load(path: str) -> Front:
         raise ValueError("{}: must be a tune.json with a front, as tune writes it for a file with the key pareto".format(file)) from None
 
 
+def label(figure: str) -> str:
+    """The figure and its unit, if it has one; that of the variance of a signal is the square of the signal's."""
+    parts = [part for part in figure.replace(".", "/").split("/") if not part.isdigit() and part != "linear"]
+    unit = UNITS.get(parts[-1]) if parts else None
+    if len(parts) > 1 and parts[0] == "signals":
+        signal = SIGNALS.get(parts[1])
+        unit = None if signal is None or unit not in ("m", "m$^2$") else signal if unit == "m" else "({})$^2$".format(signal)
+    return figure if unit is None else "{} [{}]".format(figure, unit)
+
+
+def is_wide(curves: Sequence[Array]) -> bool:
+    """Whether an axis must be logarithmic, and can be."""
+    values = np.concatenate(curves)
+    return bool(values.min() > 0.0) and style.spread(values) > style.WIDE_STRING
+
+
 def draw(fronts: Sequence[Front], titles: Sequence[str] = ()) -> Figure:
     """The fronts in the upper panel, and below it each variable as a share of its largest value along the front."""
     axes_names = {(front.over_name, front.against_name) for front in fronts}
@@ -51,10 +73,14 @@ def draw(fronts: Sequence[Front], titles: Sequence[str] = ()) -> Figure:
         for k, (key, values) in enumerate(front.variables.items()):
             lower.plot(front.against, values / max(float(np.abs(values).max()), 1e-300), color=style.colour(at if len(fronts) > 1 else k),
                                 linestyle=["-", "--", ":", "-."][k % 4], label="{} (largest {:.4g})".format(key, float(np.abs(values).max())))
-    upper.set_ylabel("least {}".format(fronts[0].over_name))
+    if is_wide([front.over for front in fronts]):
+        style.logarithmic(upper)
+    if is_wide([front.against for front in fronts]):
+        lower.set_xscale("log")
+    upper.set_ylabel("{} {}".format("greatest" if more_is_better(fronts[0].over_name) else "least", label(fronts[0].over_name)))
     if len(fronts) > 1:
         upper.legend()
-    lower.set_xlabel(fronts[0].against_name)
+    lower.set_xlabel(label(fronts[0].against_name))
     lower.set_ylabel("share of the largest value")
     style.legend_below(lower)
     return figure
