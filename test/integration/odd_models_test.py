@@ -237,6 +237,29 @@ class OddModels(ModuleTest):
         self.assertAlmostEqual(required[0], 4.5763, places=3)
         self.assertIsNone(required[1])
 
+    def test_losses_are_varied_in_the_types_that_a_given_loss_reaches(self):
+        """A type with inputs of its own keeps their channels."""
+        radio = [{"signal": "position", "noise_variance": 0.02}, {"signal": "input", "gain": 1.0, "noise_variance": 0.01, "channel": {"delay": 1}}]
+        heard = sp.Model.load("two_ahead.yaml")
+        own_loss = {"channel": {"loss": {"probability": 0.1, "on_loss": "hold"}}}  # of the first position, while the other's is varied
+        strings = ((sp.Model.load("ploeg_plexe.yaml").replace(time_headway_seconds=0.6, inputs=radio), {}),
+                   (heard, {"lossy": own_loss, "quiet": {"noise_variance": 0.001}}))
+        for default, inheriting in strings:
+            types = dict(inheriting, own={"inputs": default.to_dict()["inputs"]})
+            model = default.replace(vehicle_types=types, string=["default"] + sorted(types))
+            keys = ["critical_loss_types", "stable_loss_probabilities"]
+            found, given = (sp.analyze(of, followers=2, steps=5, keys=keys) for of in (model, model.replace(loss=0.01)))
+            for of in (found, given):
+                self.assertEqual(of["critical_loss_types"], ["default"] + sorted(inheriting))
+            ends = [end for interval in found["stable_loss_probabilities"] for end in interval if 0.0 < end < 0.99]
+            self.assertEqual(len(ends), 1)
+            sides = [end * factor for end in ends for factor in (1.0 - 1e-3, 1.0 + 1e-3)]
+            stable = [sp.analyze(model.replace(loss=loss), followers=2, steps=5, keys=["string_stable"]).string_stable for loss in sides]
+            self.assertEqual(sorted(stable), [False, True])
+            headway = default.to_dict()["time_headway"]
+            mapped = sp.stability_map(model, headway=[headway, 2.0 * headway], loss=sides)
+            self.assertEqual((mapped.over, mapped.string_stable[:, 0].tolist()), ("headway", stable))
+
 
 if __name__ == "__main__":
     unittest.main()

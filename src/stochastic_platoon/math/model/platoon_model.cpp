@@ -63,6 +63,19 @@ PlatoonModel with_gain(PlatoonModel model, double gain) {
   return model;
 }
 
+PlatoonModel with_loss_stage(PlatoonModel model) {
+  if (model.default_vehicle().varied_link().loss) return model;
+  const std::vector<std::size_t> varied = model.default_vehicle().varied_inputs();
+  for (std::size_t t = 0; t < model.types.size(); ++t) {
+    VehicleType& type = model.types[t];
+    std::vector<Input>& inputs = type.vehicle.inputs;
+    if (t > 0 && (!type.inherited.inputs || inputs[varied.front()].link.loss)) continue;
+    for (const std::size_t n : varied) inputs[n].link.loss = LossModel{};
+    type.inherited.loss_probability = type.inherited.mean_burst = true;
+  }
+  return model;
+}
+
 PlatoonModel with_loss(PlatoonModel model, double probability) {
   if (!model.default_vehicle().varied_link().loss)
     throw std::invalid_argument("channel/loss: absent: must be given to vary its probability");

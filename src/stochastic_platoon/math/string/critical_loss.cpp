@@ -10,19 +10,6 @@ namespace platoon {
 
 namespace {
 
-// If the default vehicle's link has no loss stage, adds one that holds the last value, to it and to every such link
-// without one.
-PlatoonModel with_loss_stage(PlatoonModel model) {
-  if (model.default_vehicle().varied_link().loss) return model;
-  const std::size_t inputs = model.default_vehicle().inputs.size();
-  for (VehicleType& type : model.types) {
-    if (type.vehicle.varied_link().loss || type.vehicle.inputs.size() != inputs) continue;
-    type.vehicle.vary([](LinkModel& link) { link.loss = LossModel{}; });
-    type.inherited.loss_probability = true;
-  }
-  return model;
-}
-
 // The losses keep their mean bursts.
 PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
   const PlatoonModel given = model;

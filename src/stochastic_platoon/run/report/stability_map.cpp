@@ -71,11 +71,7 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
           PlatoonModel varied = model;
           if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);
           if (!axes.headways.empty()) varied = with_headway(std::move(varied), headway);
-          if (!axes.losses.empty()) {
-            if (!own.varied_link().loss)
-              varied.default_vehicle().vary([](LinkModel& link) { link.loss = LossModel(); });
-            varied = with_loss(std::move(varied), loss);
-          }
+          if (!axes.losses.empty()) varied = with_loss(with_loss_stage(std::move(varied)), loss);
           if (!std::isnan(burst)) varied = with_mean_burst(std::move(varied), burst);
           points.push_back({headway, gain, stability_of(varied), {}, {}});
           if (varied.default_vehicle().varied_link().loss) points.back().loss = loss;
