@@ -260,6 +260,17 @@ class OddModels(ModuleTest):
             mapped = sp.stability_map(model, headway=[headway, 2.0 * headway], loss=sides)
             self.assertEqual((mapped.over, mapped.string_stable[:, 0].tolist()), ("headway", stable))
 
+    def test_variances_of_slow_cars_sampled_fast_exist_without_losses_only_and_the_analysis_says_so(self):
+        model = sp.Model.load("path_cacc.yaml").replace({
+            "sample_period": 0.0005, "spacing": "headway", "time_headway_seconds": 3.5, "plant": {"actuator_lag": 0.1, "input_delay": 0.05},
+            "controller": {"kp": 0.2, "kd": 0.7}, "inputs": [{"signal": "position", "noise_variance": 0.01},
+                                                             {"signal": "speed", "from": "leader", "gain": 0.05, "noise_variance": 0.01}]})
+        keys = ["stationary_variance", "string_stable", "warnings"]
+        reason = "stationary variances: not computed: the spectra of the string are too narrow to integrate"
+        for of, is_computed in ((model, True), (model.replace(loss=0.1), False)):
+            found = sp.analyze(of, followers=1, steps=5, keys=keys)
+            self.assertEqual((np.isfinite(found.stationary_variance).all(), reason in list(found["warnings"])), (is_computed, not is_computed))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "stochastic_platoon/math/links/link_filter.hpp"
 #include "stochastic_platoon/math/model/hearing_loop.hpp"
@@ -20,8 +21,12 @@ double steady_drive(const Input& input, const LossScatter& losses, double speed,
 
 }  // namespace
 
-HearingSpectra::HearingSpectra(const PlatoonModel& model, std::size_t n)
-    : model_(model), nodes_(n), moved_(nodes_.count()), reach_(farthest_ahead(model)), speed_(metres_per_step(model)) {
+HearingSpectra::HearingSpectra(const PlatoonModel& model, SpectralNodes nodes)
+    : model_(model),
+      nodes_(std::move(nodes)),
+      moved_(nodes_.count()),
+      reach_(farthest_ahead(model)),
+      speed_(metres_per_step(model)) {
   for (Eigen::Index k = 0; k < moved_.size(); ++k) {
     const auto from_one = nodes_.points[static_cast<std::size_t>(k)].from_one();
     moved_(k) = std::complex<double>(from_one * std::conj(1.0L + from_one));
@@ -152,10 +157,11 @@ std::vector<Eigen::ArrayXd> HearingSpectra::added(std::size_t follower, const Wi
   return by_input;
 }
 
-double HearingSpectra::Pair::variance(const Filters& of) const {
-  const Eigen::ArrayXcd both = of.own * of.predecessor.conjugate() * cross;
-  const Eigen::ArrayXd spectrum = of.own.abs2() * own + (of.predecessor.abs2() * predecessor + 2.0 * both.real());
-  return spectrum.mean();
+double HearingSpectra::variance(const Pair& pair, const Filters& of) const {
+  const Eigen::ArrayXcd both = of.own * of.predecessor.conjugate() * pair.cross;
+  const Eigen::ArrayXd spectrum =
+      of.own.abs2() * pair.own + (of.predecessor.abs2() * pair.predecessor + 2.0 * both.real());
+  return nodes_.equally_spaced ? spectrum.mean() : (nodes_.weight * spectrum).sum();
 }
 
 HearingSpectra::Pair HearingSpectra::advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const {
@@ -185,12 +191,12 @@ std::array<double, 2> HearingWalk::moments(const Signal& signal) const {
   const HearingSpectra::Filters filters = spectra_->filters(signal, next_ - 1);
   const Eigen::ArrayXd turned = spectra_->moved().abs2();
   const HearingSpectra::Pair changes{turned * last_.own, turned * last_.predecessor, turned * last_.cross};
-  return {last_.variance(filters), changes.variance(filters)};
+  return {spectra_->variance(last_, filters), spectra_->variance(changes, filters)};
 }
 
 double HearingWalk::error_variance() const {
   const Eigen::ArrayXcd& policy = spectra_->vehicle(next_ - 1).policy;
-  return last_.variance({-policy, Eigen::ArrayXcd::Ones(policy.size())});
+  return spectra_->variance(last_, {-policy, Eigen::ArrayXcd::Ones(policy.size())});
 }
 
 }  // namespace platoon

@@ -25,7 +25,10 @@ namespace platoon {
 /// The leader has no spectrum.
 class HearingSpectra {
 public:
-  HearingSpectra(const PlatoonModel& model, std::size_t n);
+  HearingSpectra(const PlatoonModel& model, std::size_t n) : HearingSpectra(model, SpectralNodes(n)) {}
+
+  /// At other nodes, for strings without losses.
+  HearingSpectra(const PlatoonModel& model, SpectralNodes nodes);
 
   /// One vehicle at its place.
   struct Vehicle {
@@ -67,9 +70,8 @@ public:
   struct Pair {
     Eigen::ArrayXd own, predecessor;
     Eigen::ArrayXcd cross;
-
-    double variance(const Filters& of) const;
   };
+  double variance(const Pair& pair, const Filters& of) const;
 
   /// Puts follower i in front of the window.
   Pair advance(std::size_t follower, const Eigen::ArrayXd& added, Window& window) const;

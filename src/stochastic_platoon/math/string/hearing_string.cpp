@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <functional>
 #include <map>
 #include <optional>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/links/link_filter.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/exact_transfer.hpp"
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/model/loss_chain.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/quadrature.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
@@ -48,6 +51,33 @@ double lateness(const VehicleModel& own, const Input& input, double speed, doubl
 constexpr double kDoubt = 1e-9;
 constexpr double kLowFrequency = 1e-3;  // [rad/sample] where it is compared with 1
 
+// On panels that shorten towards the poles of the vehicles and of the noise, and towards w = 0, where the spectra
+// narrow along the string.
+std::vector<double> settled_on_panels(const PlatoonModel& model,
+                                      const std::function<std::vector<double>(const HearingSpectra&)>& values,
+                                      const Settling& settling) {
+  constexpr int kMostRefined = 4;
+  std::vector<std::complex<double>> singular;
+  const std::size_t last = farthest_ahead(model) + type_order(model).size();
+  for (std::size_t i = 1; i <= last; ++i) {
+    const VehicleModel& own = vehicle(model, i);
+    for (const std::complex<double>& w : frequencies_of(HearingLoop(own, i, model.sample_period).poles()))
+      singular.push_back(w);
+    for (const Input& input : own.inputs) {
+      for (const std::complex<double>& w : LinkFilter(input.link, input.noise_variance).noise_frequencies())
+        singular.push_back(w);
+    }
+  }
+  std::vector<double> coarse;
+  for (int refinement = 0; refinement <= kMostRefined; ++refinement) {
+    std::vector<double> fine =
+        values(HearingSpectra(model, SpectralNodes(half_circle_quadrature(singular, {0.0}, refinement))));
+    if (refinement > 0 && settling.done(coarse, fine)) return fine;
+    coarse.swap(fine);
+  }
+  throw NarrowSpectra();
+}
+
 }  // namespace
 
 Settling to_all_digits() {
@@ -65,9 +95,11 @@ std::vector<double> settled_hearing(const PlatoonModel& model,
   for (std::size_t n = kFewest;; n *= 2) {
     std::vector<double> fine = values(HearingSpectra(model, n));
     if (!coarse.empty() && settling.done(coarse, fine)) return fine;
-    if (n >= settling.most) throw NarrowSpectra();
+    if (n >= settling.most) break;
     coarse.swap(fine);
   }
+  if (loses(model)) throw NarrowSpectra();  // what losses with memory scatter is known at equally spaced nodes
+  return settled_on_panels(model, values, settling);
 }
 
 std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {

@@ -8,7 +8,7 @@
 
 namespace platoon {
 
-/// Spectra of peaks that the largest number of frequencies does not resolve.
+/// Spectra of peaks that no frequencies of settled_hearing() resolve.
 struct NarrowSpectra : std::invalid_argument {
   NarrowSpectra() : std::invalid_argument("the spectra of the string are too narrow to integrate") {}
 };
@@ -22,8 +22,9 @@ struct Settling {
 /// To 1e-9 relative: values whose error falls geometrically are then as exact as their arithmetic.
 Settling to_all_digits();
 
-/// values(spectra), with the number of frequencies doubled until they settle. Throws NarrowSpectra if the largest
-/// number does not suffice.
+/// values(spectra), with the number of frequencies doubled until they settle. If the largest number does not suffice,
+/// they are refined on the panels of a half_circle_quadrature(); with losses, or if they do not settle there either,
+/// throws NarrowSpectra.
 std::vector<double> settled_hearing(const PlatoonModel& model,
                                     const std::function<std::vector<double>(const HearingSpectra&)>& values,
                                     const Settling& settling = to_all_digits());

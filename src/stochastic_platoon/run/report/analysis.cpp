@@ -13,6 +13,7 @@
 #include "stochastic_platoon/math/string/contradictions.hpp"
 #include "stochastic_platoon/math/string/critical_delay.hpp"
 #include "stochastic_platoon/math/string/rounding_bound.hpp"
+#include "stochastic_platoon/math/string/settled_hearing.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/run/report/age_analysis.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
@@ -103,12 +104,12 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
       analysis.beyond_limits = beyond_limits(configuration);
   }
   if (analysis.without_theory) return analysis;
+  const bool with_limit =
+      needs_any({"loss_gain", "limit_variance", "reason", "contradictions", "signals", "collision", "amplification"});
   if (needs("verdict", {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable",
                         "loss_gain", "limit_variance", "reason", "contradictions", "bounds", "norms", "signals",
                         "collision", "amplification", "gain_along_string"}))
-    analysis.stability = string_stability(model, false,
-                                          needs_any({"loss_gain", "limit_variance", "reason", "contradictions",
-                                                     "signals", "collision", "amplification"}));
+    analysis.stability = string_stability(model, false, with_limit);
   if (needs("margin of the string", {"string_margin"})) analysis.string_margin = string_margin(model);
   if (needs("gain along the string", {"gain_along_string"})) {
     analysis.frequencies = frequencies_about(analysis.stability.peak_frequency);
@@ -119,6 +120,11 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
   if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_delay = critical_delay(model);
   if (needs("stationary variances", {"stationary_variance", "contradictions"}))
     analysis.stationary_variance = stationary_variances(model, followers);
+  const std::vector<double>& variances = analysis.stationary_variance;
+  const StringStability& verdict = analysis.stability;
+  if ((verdict.mean_square_stable && !variances.empty() && std::isnan(variances.front())) ||
+      (verdict.string_stable && with_limit && !verdict.limit_variance))
+    analysis.not_computed = std::string("not computed: ") + NarrowSpectra().what();
   if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))
     analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
   const bool needs_signals = needs_any({"signals", "collision", "amplification"});
@@ -229,11 +235,13 @@ nlohmann::json to_json(const Configuration& configuration, const Analysis& analy
     document["reason"] = reason_without_theory(*analysis.without_theory);
   else
     document = theory_to_json(configuration, analysis);
+  std::vector<std::string> warnings = analysis.warnings;
+  if (!analysis.not_computed.empty()) warnings.push_back("stationary variances: " + analysis.not_computed);
   document.update({{"headway", own.headway},
                    {"noise_variance", own.position().noise_variance},
                    {"theory", name_of_theory(!analysis.without_theory)},
                    {"rounding", number(analysis.rounding)},
-                   {"warnings", analysis.warnings},
+                   {"warnings", warnings},
                    {"age_of_information", ages_to_json(configuration.model, configuration.run.followers)}});
   add_to_json(configuration, analysis.signals, document);
   if (!analysis.linear) return document;

@@ -39,6 +39,8 @@ struct Analysis {
   std::vector<double> stationary_variance;           ///< [m^2], one per follower; NaN if there is none
   /// Where a vehicle hears more than a position: the shares of its inputs in it, noise and losses, per follower.
   std::vector<std::vector<double>> stationary_variance_by_input = {};
+  /// Why these variances, or those of an endless string, are missing though they exist; empty if none is.
+  std::string not_computed = {};
   SignalMoments moments;
   ErrorNorms norms;                        ///< L_2 of the means, L_infinity of the variances
   std::optional<TheoremTwoBounds> bounds;  ///< none for an unstable loop, or for a platoon other than the paper's
@@ -60,7 +62,7 @@ Analysis analyze(
     const Configuration& configuration, const SignalRequest& signals = {},
     const StageObserver& begins = [](const char*) {}, const std::set<std::string>& keys = {});
 
-/// JSON for programs; missing values are null.
+/// JSON for programs; missing values are null, and `not_computed` is one of the warnings.
 nlohmann::json to_json(const Configuration& configuration, const Analysis& analysis);
 
 }  // namespace platoon

@@ -153,10 +153,14 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
           loss_line(model, analysis) + burst_line(model, analysis) + leader_share_line(model, analysis) +
           age_report(model);
   const std::vector<double>& stationary = analysis.stationary_variance;
-  text += "Stationary variance: " + figure(stationary.front(), "m^2") + " of follower 1, " +
-          figure(stationary.back(), "m^2") + formatted(" of follower %zu; of an endless string: ", stationary.size()) +
-          figure(stability.limit_variance, "m^2") + "\n";
-  text += shares_line(model, analysis.stationary_variance_by_input);
+  const std::string& missing = analysis.not_computed;
+  const bool none_is_computed = !missing.empty() && std::isnan(stationary.front());
+  text += "Stationary variance: ";
+  if (!none_is_computed)
+    text += figure(stationary.front(), "m^2") + " of follower 1, " + figure(stationary.back(), "m^2") +
+            formatted(" of follower %zu; of an endless string: ", stationary.size());
+  text += (missing.empty() ? figure(stability.limit_variance, "m^2") : missing) + "\n";
+  if (!none_is_computed) text += shares_line(model, analysis.stationary_variance_by_input);
   const std::vector<double>& means = analysis.stationary_mean;
   const auto largest = std::max_element(means.begin(), means.end(),
                                         [](double one, double other) { return std::abs(one) < std::abs(other); });

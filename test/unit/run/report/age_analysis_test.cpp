@@ -6,7 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "stochastic_platoon/run/report/analysis.hpp"
+#include "stochastic_platoon/run/report/analysis_report.hpp"
+#include "unit/messages.hpp"
 #include "unit/paper_run.hpp"
 #include "unit/run/report/hearing_models.hpp"
 
@@ -62,6 +63,23 @@ TEST(AgeAnalysis, IsPartOfTheAnalysisAsAreTheWeightsAndTypesOfCriticalValues) {
   EXPECT_EQ(document.at("stable_leader_shares").size(), analysis.leader_shares->intervals.size());
   EXPECT_EQ(document.at("critical_loss_types"), types);
   EXPECT_TRUE(document.at("critical_headway_types").is_null()) << "of a constant spacing";
+}
+
+// The text of an analysis without the variances, and without that of an endless string.
+TEST(AnalysisOfHearing, SaysWhyVariancesAreMissing) {
+  Configuration configuration = paper_run("");
+  configuration.run.followers = 2;
+  configuration.run.steps = 5;
+  configuration.model = hearing_model(kLeaderShare);
+  Analysis analysis = analyze(configuration);
+  ASSERT_EQ(analysis.not_computed, "");
+  ASSERT_TRUE(contains(report(configuration, analysis), "of which "));
+  analysis.not_computed = "not computed: too narrow";
+  EXPECT_TRUE(contains(report(configuration, analysis), "; of an endless string: not computed: too narrow\nof which "));
+  analysis.stationary_variance.assign(2, std::nan(""));
+  const std::string text = report(configuration, analysis);
+  EXPECT_TRUE(contains(text, "Stationary variance: not computed: too narrow\n"));
+  EXPECT_FALSE(contains(text, "of which "));
 }
 
 }  // namespace

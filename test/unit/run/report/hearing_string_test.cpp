@@ -9,6 +9,7 @@
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/settled_hearing.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
 #include "stochastic_platoon/math/string/stationary_theory.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
@@ -33,6 +34,44 @@ TEST(HearingString, HasTheVariancesOfTheWholeStringsLyapunovEquation) {
   expect_variances(kPath, 6, {1, 2, 6}, {0.03540309, 0.03782432, 0.04211542});
   expect_variances(kTwoAhead, 6, {1, 2, 6}, {0.00148782, 0.00153969, 0.00151800});
   expect_variances(kLeaderShare, 6, {1, 2, 6}, {0.00069842, 0.00085414, 0.00094506});
+}
+
+// Slow cars sampled at two kilohertz, of rho(A) = 0.99989. The expected values come from 2^21 equally spaced nodes.
+TEST(HearingString, OfSlowCarsSampledFastHasVariances) {
+  const PlatoonModel model = hearing_model(R"(
+sample_period: 0.0005
+time_headway_seconds: 3.5
+standstill_distance: 5.0
+plant: {actuator_lag: 0.1, input_delay: 0.05}
+controller: {kp: 0.2, kd: 0.7}
+inputs:
+  - {signal: position, noise_variance: 0.01}
+  - {signal: speed, from: leader, gain: 0.05, noise_variance: 0.01})");
+  const std::vector<double> variances = stationary_variances(model, 2);
+  EXPECT_NEAR(variances[0] / 0.000151793613886, 1.0, 1e-9);
+  EXPECT_NEAR(variances[1] / 0.000151868975221, 1.0, 1e-9);
+}
+
+TEST(HearingString, HasTheSameVariancesOnPanelsAsOnEqualNodes) {
+  Settling few = to_all_digits();
+  few.most = 1;
+  for (const char* const text : {kPath, kTwoAhead, kLeaderShare}) {
+    const PlatoonModel model = hearing_model(text);
+    const std::vector<double> on_panels = settled_hearing(
+        model,
+        [](const HearingSpectra& spectra) {
+          HearingWalk walk(spectra);
+          std::vector<double> variances;
+          for (int i = 0; i < 6; ++i) {
+            walk.pass(sum_of(walk.added()));
+            variances.push_back(walk.error_variance());
+          }
+          return variances;
+        },
+        few);
+    const std::vector<double> expected = stationary_variances(model, 6);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(on_panels[i] / expected[i], 1.0, 1e-12) << i;
+  }
 }
 
 // Their correlation has no theory, with or without losses.
