@@ -32,10 +32,12 @@ Columns columns_of(const RunOptions& run, const Prediction& prediction, const Ru
     return all;
   }
   const std::size_t most = std::clamp<std::size_t>(kMostCells / run.followers, 2, kMostColumns);
-  Columns columns{run, {prediction.stability, prediction.stationary_variance, {}, {}}, {}, {}};
+  Columns columns{run, prediction, {}, {}};
+  for (std::vector<double>* cells : {&columns.prediction.mean, &columns.prediction.variance,
+                                     &columns.prediction.rounding, &columns.prediction.fourth_cumulant})
+    cells->clear();
   columns.steps = spread_steps(run.steps, static_cast<std::int64_t>(most));
   columns.run.steps = static_cast<std::int64_t>(columns.steps.size());
-  columns.prediction.followers_with_theory = prediction.followers_with_theory;
   columns.result.realizations = result.realizations;
   for (std::size_t i = 1; i <= run.followers; ++i) {
     for (const std::int64_t k : columns.steps) {

@@ -94,6 +94,19 @@ TEST_F(OverviewTest, OfALongCompleteRunHasSomeCellsAndTheLargestScoreOfAll) {
   EXPECT_EQ(overview.plausible_z, largest_plausible_score(2 * 300 * 66));
 }
 
+TEST_F(OverviewTest, OfALongRunDoesNotScoreVariancesThatTheTheoryCannotJudge) {
+  lose_packets({0.1, 2.0, {1.0}});
+  make_long(300, 67);
+  RunResult result = this->result();
+  for (const bool complete : {false, true}) {
+    result.complete = complete;
+    const auto overview = this->overview(result);
+    EXPECT_EQ(overview.step.size(), 66U);
+    EXPECT_TRUE(std::isfinite(overview.max_abs_z_mean));
+    EXPECT_TRUE(std::isnan(overview.max_abs_z_variance)) << overview.max_abs_z_variance;
+  }
+}
+
 TEST_F(OverviewTest, HasTheTheoryBeforeTheFirstMeasurement) {
   for (const std::int64_t steps : {3, 0}) {
     make_long(2, steps);
