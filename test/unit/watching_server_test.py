@@ -173,6 +173,10 @@ class Commands(unittest.TestCase):
         named = {"rospy": types.ModuleType("rospy"), "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": types.ModuleType("std_msgs.msg"),
                  "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": types.ModuleType("std_srvs.srv")}
         self.published = []
+        self.parameters, self.called = {}, []
+        for name, value in (("wait_for_service", lambda *_: None), ("set_param", self.parameters.__setitem__),
+                            ("ServiceProxy", lambda name, _: lambda: self.serve(name)), ("ROSException", OSError), ("ServiceException", OSError)):
+            setattr(named["rospy"], name, value)
         named["rospy"].Publisher = lambda *_, **__: types.SimpleNamespace(publish=self.published.append, get_num_connections=lambda: 1,
                                                                           resolved_name="/platoon/leader/speed")
         named["std_msgs.msg"].Float64 = named["std_srvs.srv"].Trigger = None
@@ -189,6 +193,32 @@ class Commands(unittest.TestCase):
         commands = importlib.import_module("watching.commands")  # with this stub; the package keeps that of the test before
         self.state = state.PlatoonState()
         self.commands = commands.Commands(self.state)
+
+    def serve(self, name):
+        """The service, which reads its parameter a while after the call."""
+        time.sleep(0.05)
+        self.called.append((name, self.parameters.pop(name, None)))
+        return types.SimpleNamespace(success=True, message="begun")
+
+    def test_two_changes_at_a_time_are_both_carried_out(self):
+        orders = [{"headway": 2.0 + i} for i in range(4)]
+        pages = [threading.Thread(target=self.commands.obey, args=(dict(order, command="change"),)) for order in orders]
+        for page in pages:
+            page.start()
+        for page in pages:
+            page.join()
+        self.assertEqual(sorted(self.called, key=str), [("change_run", order) for order in orders])
+
+    def test_a_change_without_a_setting_or_of_another_one_is_rejected(self):
+        allowed = "headway, noise_variance or loss"
+        for content, why in (({}, "change: no setting: must be with " + allowed), ({"headway": None}, "change: no setting: must be with " + allowed),
+                             ({"headways": 2}, "headways: unknown key: must be " + allowed),
+                             ({"headway": 2, "seed": 3}, "seed: unknown key: must be " + allowed),
+                             ({"headway": "2"}, "headway: 2: must be a finite number")):
+            self.assertEqual(self.commands.obey(dict(content, command="change")), (False, why))
+        self.assertEqual(self.called, [])
+        self.assertEqual(self.commands.obey({"command": "change", "loss": 0}), (True, "begun"))
+        self.assertEqual(self.called, [("change_run", {"loss": 0.0})])
 
     def test_an_invalid_speed_is_rejected_with_the_reason(self):
         for value in (10 ** 400, -10 ** 400, math.inf, math.nan, True, "20", [20]):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from typing import Any, Dict, Optional, Tuple
 
 import rospy
@@ -39,6 +40,7 @@ class Commands:
     def __init__(self, state: PlatoonState) -> None:
         self.state = state
         self.speed = rospy.Publisher("leader/speed", Float64, queue_size=1)
+        self.one_change = threading.Lock()  # the server answers each page in a thread of its own
 
     def obey(self, content: Dict[str, Any]) -> Tuple[bool, str]:
         """(success, message) of a command like {"command": "brake"}, {"command": "speed", "speed": 20.0} or
@@ -56,7 +58,7 @@ class Commands:
             if command == "speed":
                 return self.set_speed(number_of(content, "speed"))
             if command == "change":
-                return self.call("change_run", {key: number_of(content, key) for key in CHANGES if content.get(key) is not None})
+                return self.change(content)
             return False, "command: {}: must be one of {}, speed, change".format(shortened(command), ", ".join(MANOEUVRES))
         except ValueError as error:
             return False, str(error)
@@ -76,6 +78,17 @@ class Commands:
             return False, "no subscriber of {}: the leader is not running, or accepts no speed".format(self.speed.resolved_name)
         self.speed.publish(speed)
         return True, "speed {:g} m/s{}".format(speed, "; cars reach {:g} m/s".format(FASTEST_CAR) if abs(speed) > FASTEST_CAR else "")
+
+    def change(self, content: Dict[str, Any]) -> Tuple[bool, str]:
+        allowed = "{} or {}".format(", ".join(CHANGES[:-1]), CHANGES[-1])
+        for key in content:
+            if key != "command" and key not in CHANGES:
+                raise ValueError("{}: unknown key: must be {}".format(shortened(key), allowed))
+        settings = {key: number_of(content, key) for key in CHANGES if content.get(key) is not None}
+        if not settings:
+            raise ValueError("change: no setting: must be with {}".format(allowed))
+        with self.one_change:  # otherwise the service may read the parameter of another page's change
+            return self.call("change_run", settings)
 
     def call(self, name: str, parameter: Optional[Dict[str, float]] = None) -> Tuple[bool, str]:
         """Calls a service that reads the parameter of the same name, if any."""
