@@ -63,7 +63,7 @@ class Served(unittest.TestCase):
         for headers in ({"Origin": own}, {}):
             self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, **headers)[0], 200)
         self.assertEqual(self.commands_received, [{"command": "brake"}] * 2)
-        for origin in ("http://evil.example", "http://localhost:1", "https://" + self.own + ".evil.example", "null", ""):
+        for origin in ("http://evil.example", "http://localhost:1", "https://" + self.own + ".evil.example", "null", "", "http://[::1", "http://[bad]"):
             self.assertEqual(self.ask("POST", "/command", body, Content_Type=kind, Origin=origin)[0], 403, origin)
         # A page of another origin can send this without a preflight request.
         self.assertEqual(self.ask("POST", "/command", body, Content_Type="text/plain", Origin=own)[0], 415)

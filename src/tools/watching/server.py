@@ -34,6 +34,14 @@ def host_of(authority: str) -> str:
         return ""
 
 
+def is_own(origin: str, host: str) -> bool:
+    """Whether an Origin header is a page of this Host."""
+    try:
+        return urllib.parse.urlsplit(origin).netloc.lower() == host.lower()
+    except ValueError:
+        return False
+
+
 def names_this_machine(host: str, own_names: Set[str]) -> bool:
     """Whether a Host header is an IP address or one of the server's own names.
 
@@ -104,7 +112,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return
         # Browsers send the page's Origin; only this server's own page has the same address in Origin and Host.
         origin = self.headers.get("Origin")
-        if origin is not None and urllib.parse.urlsplit(origin).netloc.lower() != self.headers.get("Host", "").lower():
+        if origin is not None and not is_own(origin, self.headers.get("Host", "")):
             return self.reject(403, "the server accepts commands from its own page only, not from " + origin[:100])
         if self.headers.get("Content-Type", "").split(";")[0] != "application/json":
             return self.reject(415, "a command must be application/json")
