@@ -127,7 +127,8 @@ class Check(RunTest):
         self.fails("not complete: 200 of 300 realizations")
 
     def test_a_folder_without_results_and_another_version_are_named(self):
-        self.fails("summary.json: must be a regular file", folder=self.folder)
+        self.fails("not complete: nothing was measured", folder=self.folder)
+        self.fails("summary.json: must be a regular file", folder=self.path("nowhere"))
         summary = self.summary()
         summary["version"] = "0.1.0"
         sign(self.run_folder, summary)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 
 #include "stochastic_platoon/math/model/signal.hpp"
@@ -11,6 +12,7 @@
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 
@@ -168,9 +170,21 @@ std::string passed(const nlohmann::json& summary, const RunOptions& run) {
       summary.at("realizations").get<unsigned long long>(), summary.at("seed").get<unsigned long long>());
 }
 
+// Throws std::invalid_argument for the folder of a run that was stopped or killed before it had results.
+void require_results(const std::string& folder) {
+  if (std::error_code error; may_exist(folder + "/summary.json") || !std::filesystem::is_directory(folder, error))
+    return;
+  const std::optional<Checkpoint> found = read_checkpoint(folder);
+  if (!found)
+    throw std::invalid_argument("not complete: nothing was measured (neither a summary.json nor a checkpoint)");
+  throw std::invalid_argument("not complete: " + extent_of(*found) + " in its checkpoint" +
+                              (found->shard.is_null() ? "; resume:=true continues" : ", of a shard"));
+}
+
 }  // namespace
 
 ResultCheck check_results(const std::string& folder) {
+  require_results(folder);
   ResultCheck check;
   const ResultTables files =
       parse_results([&](const std::string& name) { return read_file(folder + "/" + name, kMostWrittenBytes); }, folder,

@@ -19,7 +19,8 @@ struct ResultCheck {
 /// - the figures of the theory with each other, see contradictions();
 /// - the verdict with the measured growth, see measured_growth().
 ///
-/// Throws std::exception if there are no results that this version can read.
+/// Throws std::exception if there are no results that this version can read, also for a run without a summary: then
+/// with the extent of its checkpoint.
 ResultCheck check_results(const std::string& folder);
 
 }  // namespace platoon

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 #include "unit/damage.hpp"
 #include "unit/messages.hpp"
@@ -103,6 +104,23 @@ TEST_F(ResultCheckTest, MeasuredGrowthOfAStringStablePlatoonIsAProblem) {
 
 TEST_F(ResultCheckTest, WithoutResultsItThrows) {
   EXPECT_THROW(check_results(folder_.path()), std::exception);
+}
+
+TEST_F(ResultCheckTest, OfARunWithoutResultsItReportsWhatWasMeasured) {
+  const auto problem_in = [](const std::string& folder) {
+    return message_of<std::exception>([&] { check_results(folder); });
+  };
+  EXPECT_TRUE(contains(problem_in(folder_.path()), "not complete: nothing was measured ("))
+      << problem_in(folder_.path());
+  EXPECT_TRUE(contains(problem_in(folder_ / "none"), "must be a regular file"));
+  Checkpoint checkpoint{
+      statistics_identity(configuration_), "", {30, 1, 0.5, 0}, EnsembleTotals(cells_of(configuration_))};
+  write_checkpoint(folder_.path(), checkpoint);
+  EXPECT_EQ(problem_in(folder_.path()), "not complete: 0 realizations in its checkpoint; resume:=true continues");
+  checkpoint.time_averages = {Moments{431, 0.0, 1.0}, Moments{430, 0.0, 1.0}};
+  write_checkpoint(folder_.path(), checkpoint);
+  EXPECT_EQ(problem_in(folder_.path()),
+            "not complete: averages over 431 steps in its checkpoint; resume:=true continues");
 }
 
 }  // namespace
