@@ -81,4 +81,12 @@ std::string beside_one(double value) {
   return formatted("1 %c %.3g", difference > 0.0 ? '+' : '-', std::abs(difference));
 }
 
+std::string shell_word(const std::string& text) {
+  constexpr char kPlain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789@%+=:,./_-";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
 }  // namespace platoon

@@ -16,4 +16,7 @@ std::optional<double> number_in(std::string_view text);
 /// The value to six digits, or as "1 - 2.5e-10" if six digits would show 1.
 std::string beside_one(double value);
 
+/// The text as one word of a POSIX shell's command line: quoted only where it must be.
+std::string shell_word(const std::string& text);
+
 }  // namespace platoon

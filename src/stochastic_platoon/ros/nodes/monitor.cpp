@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
 #include "stochastic_platoon/ros/observation/run_parameters.hpp"
@@ -202,7 +203,8 @@ void Monitor::stop() {
     std::printf("Stopped after %llu of %llu realizations. ", static_cast<unsigned long long>(partial.realizations),
                 static_cast<unsigned long long>(configuration_.run.realizations));
   }
-  std::printf("To continue, launch again with output:=%s resume:=true.\n", configuration_.run.output.c_str());
+  std::printf("To continue, launch again with output:=%s resume:=true.\n",
+              shell_word(configuration_.run.output).c_str());
   std::fflush(stdout);
 }
 

@@ -231,10 +231,10 @@ std::string gap_lines(const Configuration& configuration, const Prediction& pred
     text += formatted("; by theory at most a share of %.6g (follower %zu)", *bound, worst);
   text += "\n";
   if (configuration.run.external.empty() && result.complete && !configuration.run.output.empty()) {
-    text += formatted(
-        "To replay it: rosrun stochastic_platoon monte_carlo --repeat %s/summary.json --only %llu --trajectories --output %s/realization_%llu\n",
-        configuration.run.output.c_str(), static_cast<unsigned long long>(of.smallest.realization),
-        configuration.run.output.c_str(), static_cast<unsigned long long>(of.smallest.realization));
+    const std::string realization = std::to_string(of.smallest.realization), &output = configuration.run.output;
+    text += "To replay it: rosrun stochastic_platoon monte_carlo --repeat " + shell_word(output + "/summary.json") +
+            " --only " + realization + " --trajectories --output " +
+            shell_word(output + "/realization_" + realization) + "\n";
   }
   return text;
 }

@@ -37,6 +37,15 @@ TEST(NumberIn, ReadsDecimalNumbersOnly) {
   EXPECT_FALSE(number_in(std::string_view("1\0.5", 4)));
 }
 
+TEST(ShellWord, IsQuotedOnlyWhereItMustBe) {
+  for (const char* plain : {"/tmp/run_1.2-b", "a@b%c+d=e:f,g"}) EXPECT_EQ(shell_word(plain), plain);
+  EXPECT_EQ(shell_word(""), "''");
+  EXPECT_EQ(shell_word("K\u00e4se und Brot"), "'K\u00e4se und Brot'");
+  EXPECT_EQ(shell_word("it's $HOME"), "'it'\\''s $HOME'");
+  for (const char* special : {"~", "a*", "#", "a;b", "a\nb", "(a)", "a\\b", "\"", "!"})
+    EXPECT_EQ(shell_word(special), std::string("'") + special + "'");
+}
+
 // Python programs may set the user's locale, in which numbers have a comma.
 TEST(NumberIn, AndFormattedHaveAPointInEveryLocale) {
   // Debian has the sources of all locales in its package `locales`, and none is ready for use.

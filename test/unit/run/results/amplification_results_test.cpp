@@ -132,5 +132,19 @@ TEST_F(AmplificationResultsTest, ReportTheReasonWhyThereIsNone) {
                        "Amplification: none, as the leader drives at constant speed from step 0 on\n"));
 }
 
+TEST_F(AmplificationResultsTest, TheCommandThatReplaysTheSmallestGapWorksForAnyFolder) {
+  RunResult found = result_of(prediction_);
+  found.gaps = GapTable({2, 0.1, {}});
+  found.gaps.merge(1, {{0.5, 7, 3}, 0, 0, {{5, 20}}});
+  found.gaps.merge(2, {{1.5, 9, 3}, 0, 0, {{15, 20}}});
+  for (const char* name : {"plain", "two words"}) {
+    const std::string folder = configuration_.run.output = folder_ / name;
+    const std::string quote = folder.find(' ') == std::string::npos ? "" : "'";
+    EXPECT_TRUE(contains(signals_report(configuration_, prediction_, found),
+                         "--repeat " + quote + folder + "/summary.json" + quote + " --only 7 --trajectories --output " +
+                             quote + folder + "/realization_7" + quote + "\n"));
+  }
+}
+
 }  // namespace
 }  // namespace platoon
