@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -197,15 +198,15 @@ void Monitor::stop() {
     partial = statistics_.result(false);
   }
   display_.finish();
-  store_.stop(*checkpoint, prediction_, partial);
+  const std::string failure = store_.stop(*checkpoint, prediction_, partial);
   std::printf("%s", report(configuration_, prediction_, partial).c_str());
-  if (!endless()) {
+  if (!endless())
     std::printf("Stopped after %llu of %llu realizations. ", static_cast<unsigned long long>(partial.realizations),
                 static_cast<unsigned long long>(configuration_.run.realizations));
-  }
   std::printf("To continue, launch again with output:=%s resume:=true.\n",
               shell_word(configuration_.run.output).c_str());
   std::fflush(stdout);
+  if (!failure.empty()) throw std::runtime_error(failure);
 }
 
 // Logs a stall once when it begins, when its reason changes, and once when it ends.

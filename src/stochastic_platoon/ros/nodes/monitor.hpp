@@ -54,7 +54,8 @@ public:
   /// began.
   Diagnostics::Fill status();
 
-  /// Saves an unfinished run. Call it after the callbacks have ended.
+  /// Saves an unfinished run and prints its report. Call it after the callbacks have ended. Throws std::runtime_error
+  /// after the report if the run cannot be saved.
   void stop();
 
 private:

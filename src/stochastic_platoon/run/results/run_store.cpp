@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/results/run_store.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/run/io/atomic_file.hpp"
@@ -57,9 +58,14 @@ bool RunStore::complete(const Checkpoint& checkpoint, const Prediction& predicti
   });
 }
 
-void RunStore::stop(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result) {
-  if (checkpoint.tally.positions_received > saved_) write_checkpoint(configuration_.run.output, checkpoint);
-  write_results(configuration_, prediction, result);
+std::string RunStore::stop(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result) {
+  try {
+    if (checkpoint.tally.positions_received > saved_) write_checkpoint(configuration_.run.output, checkpoint);
+    write_results(configuration_, prediction, result);
+    return "";
+  } catch (const std::runtime_error& error) {
+    return std::string(error.what()) + "; " + free_space(checkpoint_file(configuration_.run.output));
+  }
 }
 
 }  // namespace platoon

@@ -33,8 +33,8 @@ public:
   /// Saves the results of the complete run; returns false if that fails.
   bool complete(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result, double now);
 
-  /// Saves the results so far of a stopped run. Throws std::runtime_error if that fails.
-  void stop(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result);
+  /// Saves the results so far of a stopped run. Returns the reason if that fails, otherwise an empty string.
+  [[nodiscard]] std::string stop(const Checkpoint& checkpoint, const Prediction& prediction, const RunResult& result);
 
 private:
   Configuration configuration_;

@@ -69,10 +69,19 @@ TEST_F(RunStoreTest, AStoppedRunKeepsItsLatestCheckpoint) {
   RunStore store = this->store();
   store.save(checkpoint(10), 0.0);
   const std::string before = content_of(checkpoint_file(configuration_.run.output));
-  store.stop(checkpoint(10), prediction_, result());
+  EXPECT_EQ(store.stop(checkpoint(10), prediction_, result()), "");
   EXPECT_EQ(content_of(checkpoint_file(configuration_.run.output)), before) << "nothing new";
-  store.stop(checkpoint(11), prediction_, result());
+  EXPECT_EQ(store.stop(checkpoint(11), prediction_, result()), "");
   EXPECT_NE(content_of(checkpoint_file(configuration_.run.output)), before);
+}
+
+TEST_F(RunStoreTest, AStoppedRunThatCannotBeSavedHasTheReason) {
+  RunStore store = this->store();
+  block(configuration_.run.output + "/statistics.csv");
+  const std::string failure = store.stop(checkpoint(10), prediction_, result());
+  EXPECT_TRUE(contains(failure, "/statistics.csv"));
+  EXPECT_TRUE(contains(failure, " MB are free there"));
+  EXPECT_TRUE(read_checkpoint(configuration_.run.output)) << "resume:=true continues it";
 }
 
 TEST_F(RunStoreTest, OneStoreAtATimeHoldsTheFolder) {
