@@ -74,6 +74,16 @@ double integral_defect(const ClosedLoop& loop, double headway) {
   return static_cast<double>(std::abs(gain.value - 1.0L) + std::abs(gain.slope + headway) / (1.0L + headway));
 }
 
+std::vector<std::string> cancelled_unstable_modes(const ClosedLoop& loop) {
+  std::vector<std::string> places;
+  for (const std::complex<double>& mode : unstable_hidden_modes(loop)) {
+    if (mode.imag() < 0.0) continue;
+    const std::string pair = mode.imag() > 0.0 ? formatted(" +- i %g", mode.imag()) : "";
+    places.push_back(formatted("z = %g", mode.real()) + pair);
+  }
+  return places;
+}
+
 std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double headway, bool allow_unstable) {
   std::vector<std::string> found;
   if (!loop.transfer.is_strictly_proper()) {
@@ -91,12 +101,10 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
     found.push_back(
         formatted("the closed loop is unstable: rho(A) = %g, must be < 1 (allow_unstable: true runs it anyway)", rho));
   }
-  for (const std::complex<double>& mode : unstable_hidden_modes(loop)) {
-    if (allow_unstable || mode.imag() < 0.0) continue;
-    const std::string pair = mode.imag() > 0.0 ? formatted(" +- i %g", mode.imag()) : "";
-    found.push_back(formatted(
-        "G(z) K(z) cancels an unstable mode at z = %g%s: cancelled modes must lie inside the unit circle (allow_unstable: true runs it anyway)",
-        mode.real(), pair.c_str()));
+  if (!allow_unstable) {
+    for (const std::string& mode : cancelled_unstable_modes(loop))
+      found.push_back("G(z) K(z) cancels an unstable mode at " + mode +
+                      ": cancelled modes must lie inside the unit circle (allow_unstable: true runs it anyway)");
   }
   if (rho >= 1.0 && !allow_unstable) return found;
   constexpr long double kNearest = 1e-11L;  // A to the rounding of double has five digits of this pole

@@ -20,6 +20,9 @@ std::vector<std::string> violated_assumptions(const ClosedLoop& loop, double hea
 std::vector<std::string> violated_assumptions(const VehicleModel& vehicle, double sample_period,
                                               const std::vector<std::size_t>& places, bool allow_unstable);
 
+/// Where G K cancels unstable modes, which T and all figures lack: "z = 1.2", or "z = 1 +- i 0.5" for a pair.
+std::vector<std::string> cancelled_unstable_modes(const ClosedLoop& loop);
+
 /// The deviation of the given loop from double integral action,
 /// \f[ |T(1) - 1| + |T'(1) + h| / (1 + h). \f]
 /// Given plant and controller it is rounding alone; given A, B and C it depends on their number of digits.

@@ -7,6 +7,7 @@
 
 #include "stochastic_platoon/math/links/chain_moments.hpp"
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
@@ -71,11 +72,24 @@ std::string of_type(const PlatoonModel& model, std::size_t type) {
   return is_homogeneous(model) ? "" : " of " + model.types[type].name;
 }
 
-void add_headways(const PlatoonModel& model, std::vector<std::string>& warnings) {
+/// The types in the string, each once.
+std::vector<std::size_t> types_of(const PlatoonModel& model) {
   std::vector<std::size_t> types = type_order(model);
   std::sort(types.begin(), types.end());
   types.erase(std::unique(types.begin(), types.end()), types.end());
-  for (const std::size_t type : types) {
+  return types;
+}
+
+void add_cancelled_modes(const PlatoonModel& model, std::vector<std::string>& warnings) {
+  for (const std::size_t type : types_of(model)) {
+    for (const std::string& mode : cancelled_unstable_modes(model.types[type].vehicle.loop))
+      warnings.push_back("G(z) K(z)" + of_type(model, type) + " cancels an unstable mode at " + mode +
+                         ", which allow_unstable admits: it grows in a real car, and no figure contains it");
+  }
+}
+
+void add_headways(const PlatoonModel& model, std::vector<std::string>& warnings) {
+  for (const std::size_t type : types_of(model)) {
     const double headway = model.types[type].vehicle.headway, seconds = headway * model.sample_period;
     const bool is_usual = seconds >= kShortestHeadway && seconds <= kLongestHeadway;
     if (is_usual || model.types[type].vehicle.constant_spacing) continue;
@@ -149,6 +163,7 @@ std::vector<std::string> plausibility_warnings(const Configuration& configuratio
   std::vector<std::string> warnings;
   add_leader(model, warnings);
   add_drive(configuration, warnings);
+  add_cancelled_modes(model, warnings);
   add_headways(model, warnings);
   add_standstill(model, run.followers, warnings);
   if (no_theory(model)) return warnings;

@@ -16,6 +16,7 @@ constexpr double kReversing = -0.1;   ///< [m/s]: slower is backwards, beyond th
 /// none:
 ///
 /// - a speed of the leader above 60 m/s, below -0.1 m/s, or beyond its limits; a recorded acceleration beyond them,
+/// - an unstable mode that plant and controller cancel, which `allow_unstable` admits,
 /// - a headway below 0.05 s or above 10 s,
 /// - a standstill distance below the length of the vehicle ahead,
 /// - an acceleration with |mean| + 2.58 sigma above 10 m/s^2 at any step, which one realization in a hundred exceeds,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -99,6 +100,21 @@ TEST_F(PlausibilityTest, TheAccelerationIsThatOfTheWorstStep) {
       << found[1];
   EXPECT_TRUE(contains(found[0], "speed: mean - 2.58 sigma = -"));
   EXPECT_TRUE(contains(found[0], "the car reverses"));
+}
+
+// The verdict and all figures are those of the paper's loop.
+TEST_F(PlausibilityTest, ACancelledUnstableModeHasOneThatNamesIt) {
+  configuration_ = paper_run("");
+  const std::vector<std::string> without = warnings();
+  const LoopDesign paper = paper_design();
+  const TransferFunction plant(Eigen::Vector2d(1.0, -1.2), Eigen::Vector4d(1.0, -3.2, 3.4, -1.2));
+  car().loop = close_loop(LoopDesign{plant, paper.controller, true}, car().headway);
+  const std::vector<std::string> found = warnings();
+  ASSERT_EQ(found.size(), without.size() + 1);
+  const std::string expected =
+      "G(z) K(z) cancels an unstable mode at z = 1.2, which allow_unstable admits: it grows in a real car, and no "
+      "figure contains it";
+  EXPECT_EQ(std::count(found.begin(), found.end(), expected), 1) << testing::PrintToString(found);
 }
 
 TEST_F(PlausibilityTest, LossesAddToTheAcceleration) {
