@@ -82,9 +82,9 @@ PlatoonModel with_gain(PlatoonModel model, double gain);
 PlatoonModel with_loss(PlatoonModel model, double probability);
 PlatoonModel with_mean_burst(PlatoonModel model, double mean_burst);
 
-/// If the default vehicle's varied_link() has no loss stage, adds one that holds the last value: to it, and to the types
-/// that inherit its inputs and have no losses of their own there, as a model file does whose default vehicle is given a
-/// loss probability.
+/// If the default vehicle's varied_link() has no loss stage, adds one that holds the last value: to it, and to the
+/// types that inherit its inputs and have no losses of their own there, as a model file does whose default vehicle is
+/// given a loss probability.
 PlatoonModel with_loss_stage(PlatoonModel model);
 
 /// Whether a link of the string satisfies a condition.
