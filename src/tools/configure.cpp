@@ -227,6 +227,7 @@ int configure_main(int argc, char** argv) {
          "of a replay, which needs --bag: what the recording drives, leader or a vehicle as vehicle_3; empty: the monitor"},
         {"first", "first vehicle that the launch starts"},
         {"last", "last vehicle that the launch starts"},
+        {"dashboard_port", "port of the page; 0: any free one"},
         {"kept", "true: check the arguments of followers.launch, and nothing else"},
         {"quote_in_path", "true: reject a quote in a path, which a launch file cannot pass on"},
         {"replay_rate", "of a replay: its argument rate"},
@@ -281,6 +282,7 @@ int configure_main(int argc, char** argv) {
     platoon::ProblemCollector of_launch;
     of_launch.check([&] { require_range(line, static_cast<std::int64_t>(run.followers), false); });
     of_launch.check([&] { require_all_in_one_process(line, run); });
+    of_launch.check([&] { platoon::require_port("dashboard_port", line["dashboard_port"]); });
     of_launch.check([&] { require_free_namespace(line, run); });
     of_launch.check([&] { platoon::require_free_recording(run.record, run.record_split_mb > 0); });
     of_launch.require_none();

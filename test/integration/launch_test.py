@@ -77,6 +77,10 @@ class BadInput(LaunchTest):
                       "external: 2: must be 1, the replayed vehicle, or empty", file="replay.launch", bag=small, drive="vehicle_1", rate=2,
                       start=5, dashboard=True, stay=True, external=2)
 
+    def test_a_port_that_a_page_cannot_have_is_rejected(self):
+        for port in (99999, -1, "http"):
+            self.rejected("dashboard_port: {}: must be a whole number from 0 to 65535".format(port), dashboard=True, dashboard_port=port)
+
     def test_a_part_of_the_string_in_one_process_is_rejected(self):
         self.rejected("first, last: 1, 2: must be 1 and 4 with hosting:=one_process, which runs all vehicles", hosting="one_process",
                       followers=4, last=2)

@@ -111,9 +111,9 @@ std::vector<std::string> undeclared_arguments(const std::vector<std::string>& co
 
 std::vector<std::string> ineffective_arguments(std::map<std::string, std::string> given) {
   ProblemCollector problems;
-  const auto number = [&](const char* option, const char* name, double otherwise) {
+  const auto number = [&](const char* option, const char* name, double otherwise, const Allowed& allowed) {
     if (given[option].empty()) return otherwise;
-    return problems.result_of([&] { return number_of(name, given[option], kNotNegative); }).value_or(otherwise);
+    return problems.result_of([&] { return number_of(name, given[option], allowed); }).value_or(otherwise);
   };
   const auto reject = [&](bool is_given, const std::string& name, const std::string& allowed) {
     if (is_given) problems.add(name + ": given: must be " + allowed);
@@ -121,13 +121,15 @@ std::vector<std::string> ineffective_arguments(std::map<std::string, std::string
   constexpr double kPatience = 60.0;  // default of replay.launch [s]
   const std::string drive = given["drive"], prefix = "vehicle_", external = given["external"];
   const bool all = drive.empty(), one = drive.compare(0, prefix.size(), prefix) == 0;
-  const double rate = number("replay_rate", "rate", 0.0), start = number("start", "start", 0.0);
+  const double rate = number("replay_rate", "rate", 0.0, kNotNegative),
+               start = number("start", "start", 0.0, kNotNegative);
   const std::string without = "without drive:=" + drive;
   reject(!all && start != 0.0, "start", without);
   reject(all && start != 0.0 && rate == 0.0, "start",
          "with a rate above 0, as otherwise all passes as fast as possible");
   reject(!all && is_true(given["pause"]), "pause", without);
-  reject(number("patience", "patience", kPatience) != kPatience && !one, "patience", "with drive:=vehicle_N");
+  reject(number("patience", "patience", kPatience, kPositive) != kPatience && !one, "patience",
+         "with drive:=vehicle_N");
   reject(all && !external.empty(), "external", "with drive:=leader or drive:=vehicle_N");
   if (!one) return problems.all();
   reject(rate != 0.0, "rate", without + ", as the vehicle is driven as fast as it answers");
@@ -137,6 +139,10 @@ std::vector<std::string> ineffective_arguments(std::map<std::string, std::string
   if (const std::string vehicle = drive.substr(prefix.size()); !external.empty() && external != vehicle)
     problems.add("external: " + printable(external) + ": must be " + vehicle + ", the replayed vehicle, or empty");
   return problems.all();
+}
+
+void require_port(const std::string& key, const std::string& text) {
+  if (!text.empty()) integer_of(key, text, 0, 65535);
 }
 
 bool is_true(const std::string& text) {

@@ -17,6 +17,9 @@ std::vector<std::string> undeclared_arguments(const std::vector<std::string>& co
 /// by their names, but `rate` as replay_rate; numbers that are absent or empty are the defaults.
 std::vector<std::string> ineffective_arguments(std::map<std::string, std::string> given);
 
+/// Throws ConfigurationError unless the text is a port, 0 for any free one, or empty.
+void require_port(const std::string& key, const std::string& text);
+
 /// Whether roslaunch reads this as true.
 bool is_true(const std::string& text);
 

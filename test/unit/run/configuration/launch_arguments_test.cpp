@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "unit/messages.hpp"
 #include "unit/temporary_folder.hpp"
 
 namespace platoon {
@@ -53,6 +55,15 @@ TEST(LaunchArguments, InCommentsAreIgnored) {
   EXPECT_EQ(problems({mine, "headway:=2.4"}).size(), 1u) << "it does not pass it on";
 }
 
+TEST(LaunchArguments, HaveAPortThatExists) {
+  for (const char* port : {"", "0", "1", "8080", "65535"})
+    EXPECT_NO_THROW(require_port("dashboard_port", port)) << port;
+  for (const std::string port : {"99999", "65536", "-1", "http", "80.5"}) {
+    const std::string problem = message_of<ConfigurationError>([&] { require_port("dashboard_port", port); });
+    EXPECT_TRUE(contains(problem, "dashboard_port: " + port + ": must be a whole number from 0 to 65535"));
+  }
+}
+
 TEST(LaunchArguments, OfAReplayHaveAnEffect) {
   const Words none;
   EXPECT_EQ(ineffective_arguments({}), none);
@@ -65,6 +76,8 @@ TEST(LaunchArguments, OfAReplayHaveAnEffect) {
             (Words{"rate: -1: must be a finite number >= 0", "start: x: must be a finite number >= 0",
                    "patience: given: must be with drive:=vehicle_N",
                    "external: given: must be with drive:=leader or drive:=vehicle_N"}));
+  EXPECT_EQ(ineffective_arguments({{"drive", "vehicle_3"}, {"patience", "0"}}),
+            Words{"patience: 0: must be a finite number > 0"});
   EXPECT_EQ(ineffective_arguments({{"start", "5"}}),
             Words{"start: given: must be with a rate above 0, as otherwise all passes as fast as possible"});
   EXPECT_EQ(ineffective_arguments({{"drive", "leader"}, {"replay_rate", "2"}, {"start", "5"}, {"pause", "True"}}),
