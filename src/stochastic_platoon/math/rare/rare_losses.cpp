@@ -135,13 +135,17 @@ RareLosses::Unseen RareLosses::unseen(std::size_t paths, std::uint64_t repetitio
     }
   }
   double two = 0.5 * expected_ * expected_, most = 0.0, next = kInfinity;
+  std::vector<double> of_place(places_.size(), 0.0);
   for (const auto& [place, mode] : rare_) {
     const Chain& of = *places_[place].of;
-    const double remains = of.transition(mode, mode);
+    const double remains = steps_ > 1 ? of.transition(mode, mode) : 0.0;
     if (remains * n < 1.0) two += of.begins(mode) * remains;
+    of_place[place] += of.begins(mode);
     most = std::max(most, of.begins(mode));
     next = std::min(next, of.before_begin(mode).sum());
   }
+  // No two modes of a link begin at one step.
+  for (const double begins : of_place) two -= 0.5 * begins * begins / static_cast<double>(steps_);
   two = std::min(two, 3.0 * most * static_cast<double>(rare_.size()) / (n * static_cast<double>(repetitions)));
   const double unlikely = beside * (expected_ - 0.5 * beside);
   if (two > unlikely) least = std::min(least, next);

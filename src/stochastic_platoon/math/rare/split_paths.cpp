@@ -49,7 +49,7 @@ double SplitPaths::run(double level, const Check& check) {
       if (step < of_.event.burn_in || (of_.is_of_one_follower() && follower != of_.row + 1)) return;
       gaps_[follower - 1](at.ahead, at.own, count, values.data());
       for (std::size_t s = 0; s < count; ++s) {
-        if (!has_rare_losses_ && step >= begins_[first + s]) continue;
+        if (!has_rare_losses_ && step > begins_[first + s]) continue;
         smallest_[first + s] = std::min(smallest_[first + s], values[s]);
         if (values[s] < level) crossing_[first + s] = std::min(crossing_[first + s], step);
       }

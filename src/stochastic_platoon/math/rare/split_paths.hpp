@@ -36,7 +36,7 @@ public:
   SplitPaths(const SplitEvent& of, std::uint64_t repetition, bool has_rare_losses);
 
   /// Simulates all paths: the smallest gap of each, and the first step with a gap below the level. Returns the share of
-  /// the paths that have one. Without rare losses, a path has no gap from the step on at which its first one begins.
+  /// the paths that have one. Without rare losses, a path has no gap behind the step at which its first one begins.
   double run(double level, const Check& check);
 
   /// Replaces the paths by as many continuations of those that fall below the level, all equally often on average, and

@@ -23,10 +23,10 @@ namespace platoon {
 ///
 /// Losses that few realizations have (see RareLosses) may make up the event, and no path would start with them. Its
 /// probability is then the sum of two parts with levels of their own: with such losses, where all paths start with them
-/// and have weights, and without. There a path falls below a level if it does so before the first such loss, which its
-/// draws up to that step decide, and counts at the end if it has none at all: continuations draw later losses without a
-/// condition. References: P. Del Moral, J. Garnier, Ann. Appl. Probab. 15, 2005; S.-K. Au, J. Beck, Probab. Eng. Mech.
-/// 16, 2001.
+/// and have weights, and without. There a path falls below a level at a step if no such loss began before, which its
+/// draws before that step decide as they do the gap, and counts at the end if it has none at all: continuations draw
+/// later losses without a condition. References: P. Del Moral, J. Garnier, Ann. Appl. Probab. 15, 2005; S.-K. Au, J.
+/// Beck, Probab. Eng. Mech. 16, 2001.
 class Splitting : public RareEstimator {
 public:
   static constexpr std::uint64_t kRepetitions = 20;
