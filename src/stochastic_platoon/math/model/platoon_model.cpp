@@ -69,7 +69,10 @@ PlatoonModel with_loss_stage(PlatoonModel model) {
   for (std::size_t t = 0; t < model.types.size(); ++t) {
     VehicleType& type = model.types[t];
     std::vector<Input>& inputs = type.vehicle.inputs;
-    if (t > 0 && (!type.inherited.inputs || inputs[varied.front()].link.loss)) continue;
+    if (t > 0 && (!type.inherited.inputs || inputs[varied.front()].link.loss)) {
+      if (!type.vehicle.varied_link().loss) type.inherited.loss_probability = type.inherited.mean_burst = false;
+      continue;
+    }
     for (const std::size_t n : varied) inputs[n].link.loss = LossModel{};
     type.inherited.loss_probability = type.inherited.mean_burst = true;
   }
