@@ -53,7 +53,7 @@ class States(Fed):
         self.drive(range(BURN_IN, BURN_IN + 20))
         self.open()
         self.wait_for_page("document.getElementById('road').dataset.heard === '0'", "the arc from the leader to the last vehicle")
-        self.text_comes("#facts", "spacingconstant, 9.2 m")
+        self.text_comes("#facts", "spacingconstant spacing of 9.2 m")
         for _ in self.at_both_sizes("constant-spacing"):
             self.assertTrue(self.browser.run("return document.getElementById('headway').closest('label').hidden"))
         self.assertFalse(self.browser.run("return document.getElementById('noise_variance').closest('label').hidden"))
