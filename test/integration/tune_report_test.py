@@ -147,7 +147,7 @@ class Faults(unittest.TestCase):
             self.assertEqual(sum(line.startswith(fault) for line in found), 1, (fault, found))
 
     def test_the_reason_for_which_no_point_can_be_computed_is_named(self):
-        with self.assertRaisesRegex(ValueError, "^over: the goal exists at no point found; nearest at .*:\nlimit_variance: does not exist there: .*one of the two"):
+        with self.assertRaisesRegex(ValueError, "^over: the goal exists at no point found; nearest at .*:\nlimit_variance: does not exist there: .*which sets it too"):
             tuned(ACC, minimise="limit_variance", over={"time_headway_seconds": [3.0, 4.0], "time_headway": [30.0, 40.0]})
 
     def test_the_nearest_point_has_its_figures(self):
