@@ -71,20 +71,53 @@ bool is_same(double written, double computed, double scale) {
   return std::abs(written - computed) <= kSameTheory * std::max(std::abs(computed), scale) || written == computed;
 }
 
-// The first cell whose theory is not that of the recorded model.
-std::optional<std::string> other_theory(const ResultTables& files, const Prediction& prediction) {
-  const Column &means = column(files, "statistics", "theoretical_mean"),
-               &variances = column(files, "statistics", "theoretical_variance");
-  for (std::size_t c = 0; c < means.size(); ++c) {
-    const double mean = prediction.mean[c], variance = prediction.variance[c];
-    const double rounding = prediction.rounding.empty() ? 0.0 : prediction.rounding[c] / kSameTheory;
-    if (is_same(means[c], mean, std::sqrt(std::abs(variance)) + rounding) && is_same(variances[c], variance, 0.0))
+// What the recorded model has in a row of a table, and the rounding in it.
+struct TheoryRow {
+  double mean, variance, mean_rounding, variance_rounding;
+};
+
+// Appends a problem for the first row whose theory is not that of the recorded model.
+void compare_theory(const ResultTables& files, const char* file, const std::vector<TheoryRow>& rows,
+                    std::vector<std::string>& problems) {
+  const Column &means = column(files, file, "theoretical_mean"),
+               &variances = column(files, file, "theoretical_variance");
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const TheoryRow& of = rows[r];
+    if (is_same(means[r], of.mean, std::sqrt(std::abs(of.variance)) + of.mean_rounding / kSameTheory) &&
+        is_same(variances[r], of.variance, of.variance_rounding / kSameTheory))
       continue;
-    return formatted(
-        "statistics.csv: line %zu: a theoretical mean of %.9g m and variance of %.9g m^2, but the recorded model has %.9g m and %.9g m^2",
-        c + 2, means[c], variances[c], mean, variance);
+    return problems.push_back(formatted(
+        "%s.csv: line %zu: a theoretical mean of %.9g and variance of %.9g, but the recorded model has %.9g and %.9g",
+        file, r + 2, means[r], variances[r], of.mean, of.variance));
   }
-  return std::nullopt;
+}
+
+void compare_theory(const ResultTables& files, const Configuration& configuration, const Prediction& prediction,
+                    std::vector<std::string>& problems) {
+  std::vector<TheoryRow> rows;
+  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
+    const double rounding = prediction.rounding.empty() ? 0.0 : prediction.rounding[c];
+    rows.push_back({prediction.mean[c], prediction.variance[c], rounding, 0.0});
+  }
+  compare_theory(files, "statistics", rows, problems);
+  if (files.tables.count("signals") == 0) return;
+  const RunOptions& run = configuration.run;
+  rows.clear();
+  for (std::size_t s = 0; s < run.signals.size(); ++s) {
+    for (std::size_t i = 1; i <= run.followers; ++i) {
+      for (std::int64_t k = 0; k < run.steps; ++k) {
+        if (prediction.signals.empty() || i > prediction.followers_with_theory) {
+          rows.push_back({kNaN, kNaN, 0.0, 0.0});
+          continue;
+        }
+        const SignalMoments& of = prediction.signals[s];
+        const std::size_t c = cell(i, k, run.steps);
+        const double rounding = prediction.signal_rounding[s];
+        rows.push_back({of.mean[c], of.variance[c], rounding, rounding * rounding});
+      }
+    }
+  }
+  compare_theory(files, "signals", rows, problems);
 }
 
 // Appends a problem if the scores are not plausible.
@@ -123,7 +156,7 @@ void check_figures(const ResultTables& files, const Configuration& configuration
   const nlohmann::json& summary = files.summary;
   const Prediction prediction = predict(configuration);
   const RunResult result = result_in(files, configuration);
-  if (const auto other = other_theory(files, prediction)) problems.push_back(*other);
+  compare_theory(files, configuration, prediction, problems);
   if (summary.at("theory").at("string_stable") !=
       (prediction.has_theory() ? truth(prediction.stability.decision()) : nlohmann::json()))
     problems.push_back("summary.json: the verdict is not that of the recorded model, which is: " +

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 #include "unit/damage.hpp"
@@ -81,7 +82,15 @@ TEST_F(ResultCheckTest, ASignalFarFromItsTheoryIsAProblemByBothScores) {
 
 TEST_F(ResultCheckTest, AnotherTheoryThanThatOfTheModelIsAProblem) {
   prediction_.variance[5] *= 1.0 + 1e-5;
-  expect_problem(result(), "line 7: a theoretical mean of");
+  expect_problem(result(), "statistics.csv: line 7: a theoretical mean of");
+}
+
+TEST_F(ResultCheckTest, AnotherTheoryOfASignalThanThatOfTheModelIsAProblem) {
+  configuration_.run.signals = {"gap", "relative_speed"};
+  predict_again();
+  const std::size_t cells = prediction_.mean.size();
+  prediction_.signals[1].variance[5] *= 1.0 + 1e-5;
+  expect_problem(result(), formatted("signals.csv: line %zu: a theoretical mean of", cells + 7));
 }
 
 TEST_F(ResultCheckTest, FiguresThatContradictEachOtherAreAProblem) {
