@@ -54,7 +54,7 @@ class Served(unittest.TestCase):
         self.assertNotRegex(page.decode(), r"(src|href)=\"(https?:)?//")
         for path in ("/style.css", "/main.js", "/words.js", "/icon.svg"):
             self.assertEqual(self.ask("GET", path)[0], 200, path)
-        for path in ("/../server.py", "/..%2fserver.py", "/server.py", "//etc/passwd", "/index.htm"):
+        for path in ("/../server.py", "/..%2fserver.py", "/server.py", "//etc/passwd", "/index.htm", "http://[bad", "//[bad"):
             self.assertEqual(self.ask("GET", path)[0], 404, path)
 
     def test_accepts_commands_from_its_own_page_only(self):

@@ -94,7 +94,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def do_GET(self) -> None:
         if not self.of_this_machine():
             return
-        path = urllib.parse.urlsplit(self.path).path
+        try:
+            path = urllib.parse.urlsplit(self.path).path
+        except ValueError:  # "http://[", which is no address
+            path = ""
         if path == "/events":
             self.stream()
         elif path == "/state.json":
