@@ -86,7 +86,6 @@ PlatoonModel with_loss(PlatoonModel model, double probability) {
     if (!type.inherited.loss_probability) continue;
     type.vehicle.vary([probability](LinkModel& link) {
       link.loss->probability = probability;
-      link.loss->mean_burst.reset();
       link.loss->trace.reset();
       link.loss->by_distance.reset();
       link.loss->markov.reset();

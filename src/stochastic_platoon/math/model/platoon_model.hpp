@@ -74,9 +74,8 @@ std::vector<std::size_t> type_order(const PlatoonModel& model);
 std::vector<std::string> types_with_default(const PlatoonModel& model, bool Inherited::*inherited);
 
 /// The platoon with another headway, controller gain (leading coefficient of the numerator) or loss probability of the
-/// default vehicle and of all types that inherit it in the model file. Losses become independent, as a mean burst
-/// belongs to one probability; with_mean_burst() sets it again. These functions throw std::invalid_argument if a closed
-/// loop was given, which fits one headway only, or if there is no loss.
+/// default vehicle and of all types that inherit it in the model file. Losses keep their mean bursts. These functions
+/// throw std::invalid_argument if a closed loop was given, which fits one headway only, or if there is no loss.
 PlatoonModel with_headway(PlatoonModel model, double headway);
 PlatoonModel with_gain(PlatoonModel model, double gain);
 PlatoonModel with_loss(PlatoonModel model, double probability);

@@ -10,18 +10,7 @@ namespace platoon {
 
 namespace {
 
-// The losses keep their mean bursts.
-PlatoonModel with_loss_in_bursts(PlatoonModel model, double probability) {
-  const PlatoonModel given = model;
-  model = with_loss(std::move(model), probability);
-  for (std::size_t i = 0; i < model.types.size(); ++i) {
-    const std::optional<LossModel>& loss = given.types[i].vehicle.varied_link().loss;
-    if (loss) model.types[i].vehicle.vary([&loss](LinkModel& link) { link.loss->mean_burst = loss->mean_burst; });
-  }
-  return model;
-}
-
-// b / (1 + b) of the shortest mean burst, and less where arrivals and losses would alternate.
+// b / (1 + b) of the shortest mean burst, and less where arrivals and losses would alternate; 0.99 without bursts.
 double largest_probability(const PlatoonModel& model) {
   double largest = 0.99;
   for (const VehicleType& type : model.types) {
@@ -45,19 +34,15 @@ std::optional<StableLosses> stable_losses(const PlatoonModel& given) {
   const double own = model.default_vehicle().varied_link().loss->probability;
   // In hundredths. Where others than predecessors are heard, each sample takes a verdict of the whole string.
   const int stride = given.default_vehicle().varied_link().loss && hears_predecessors_only(given) ? 1 : 5;
-  const bool bursts = has_bursts(model) || (own == 0.0 && has_bursts(with_loss_in_bursts(model, 0.01)));
-  const double largest = bursts ? largest_probability(model) : 0.99;
+  const double largest = largest_probability(model);
   std::vector<double> samples;
   for (int i = 0; i < 99 && 0.01 * i < largest; i += stride) samples.push_back(0.01 * i);
   samples.push_back(largest);
   StableLosses losses{{}, {}, types, largest};
   const auto place = std::lower_bound(samples.begin(), samples.end(), own);
   if (place != samples.end() && *place != own) samples.insert(place, own);
-  const VariedMargins margins = varied_margins(
-      [&](double probability) {
-        return bursts ? with_loss_in_bursts(model, probability) : with_loss(model, probability);
-      },
-      own);
+  const VariedMargins margins =
+      varied_margins([&model](double probability) { return with_loss(model, probability); }, own);
   losses.intervals = margins.intervals(samples);
   if (losses.intervals.empty() || losses.intervals.front().from > 0.0) return losses;
   if (losses.intervals.front().to < samples.back()) losses.critical = losses.intervals.front().to;

@@ -62,11 +62,10 @@ std::vector<MapPoint> stability_map(const PlatoonModel& model, const MapAxes& ax
     return values.empty() ? std::vector<double>{own} : values;
   };
   const VehicleModel& own = model.default_vehicle();
-  const LossModel before = own.varied_link().loss.value_or(LossModel());
   std::vector<MapPoint> points;
   for (const double gain : or_own(axes.gains, own.design ? own.design->controller.gain() : kNaN)) {
     for (const double loss : or_own(axes.losses, own.varied_link().loss ? own.varied_link().loss->probability : kNaN)) {
-      for (const double burst : or_own(axes.bursts, before.mean_burst.value_or(kNaN)))
+      for (const double burst : or_own(axes.bursts, kNaN))
         for (const double headway : or_own(axes.headways, own.headway)) {
           PlatoonModel varied = model;
           if (!axes.gains.empty()) varied = with_gain(std::move(varied), gain);

@@ -274,5 +274,20 @@ TEST(StabilitySweep, CoversHeadwaysAndGains) {
   EXPECT_EQ(line.substr(line.size() - 2), ",0");
 }
 
+TEST(StabilitySweep, OverLossesKeepsTheMeanBurstThatATypeHasOfItsOwn) {
+  PlatoonModel model = model_at(3.2);
+  model.types[0].vehicle.inputs[0].link.loss = LossModel{0.1};
+  model.types.push_back(model.types[0]);
+  VehicleType& bursty = model.types[1];
+  bursty.name = "bursty";
+  bursty.inherited.mean_burst = false;
+  bursty.vehicle.inputs[0].link.loss->mean_burst = 3.0;
+  model.string = {1};
+  const std::vector<MapPoint> points = stability_map(model, {{}, {}, {0.1, 0.2}});
+  EXPECT_EQ(points[0].stability.loss_gain, string_stability(model).loss_gain);
+  for (VehicleType& type : model.types) type.vehicle.inputs[0].link.loss->probability = 0.2;
+  EXPECT_EQ(points[1].stability.loss_gain, string_stability(model).loss_gain);
+}
+
 }  // namespace
 }  // namespace platoon
