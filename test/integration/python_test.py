@@ -96,6 +96,10 @@ class Models(ModuleTest):
             self.assertRaisesText(ValueError, text, sp.rare, model, followers=0, method="guess")
         self.assertRaisesText(ValueError, "keys: linear/norms, peak_gian: not in the theory of this model: must be of age_of_information, bounds, ",
                               sp.analyze, model, keys=["peak_gain", "peak_gian", "linear/norms/mean_l2"])
+        limited = sp.Model.load("acc_limits.yaml")
+        self.assertIsNone(sp.analyze(limited, keys=["peak_gain", "linear/norms/mean_l2"]).string_stable)
+        self.assertRaisesText(ValueError, "keys: linear/nroms, peak_gian: not in the theory of this model: must be of age_of_information, ",
+                              sp.analyze, limited, keys=["peak_gain", "peak_gian", "linear/nroms/mean_l2"])
         self.assertRaisesText(ValueError, "document: 'paper.yaml': must be a dictionary", sp.Model.from_dict, "paper.yaml")
         self.assertRaisesText(ValueError, "1: unknown key", model.replace, {1: 2})
         self.assertRaisesText(ValueError, "collision_probability: <object", sp.analyze, model, collision_probability=object())

@@ -169,7 +169,10 @@ def analyze(model: Model, *, followers: int = 20, steps: Optional[int] = None, s
     document, report = _platoon.analyze(handle_of(model), settings, listed(signals), probability, needed)
     analysis = Analysis(document, "analysis", report)
     unknown = sorted(key for key in needed if key not in analysis)
-    if unknown and document.get("theory") != "none":
+    if unknown and document.get("theory") == "none":  # its keys are those of any model, missing here
+        document = _platoon.analyze(handle_of(Model.load()), settings, listed(signals), probability, {"reason"})[0]
+        unknown = [key for key in unknown if key.replace("linear/", "", 1) not in document]
+    if unknown:
         raise ValueError("keys: {}: not in the theory of this model: must be of {}".format(", ".join(unknown), ", ".join(sorted(document))))
     return analysis
 
