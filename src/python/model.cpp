@@ -1,6 +1,7 @@
 #include "python/model.hpp"
 
 #include <cerrno>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -23,15 +24,6 @@ void require_model_key(const std::string& name) {
   }
 }
 
-// A shipped drive by its bare name, as on the command line.
-YAML::Node value_of(const std::string& name, const std::string& text) {
-  YAML::Node value = parse_yaml(text, name);
-  if (name == "leader" && value.IsMap() && value["file"] && value["file"].IsScalar())
-    value["file"] = shipped_file(value["file"].Scalar(), "config/leaders");
-  const bool is_drive = (name == "leader" || name == "leader/file") && value.IsScalar();
-  return is_drive ? YAML::Node(shipped_file(value.Scalar(), "config/leaders")) : value;
-}
-
 }  // namespace
 
 Model Model::load(const std::string& file) {
@@ -46,7 +38,7 @@ Model Model::load(const std::string& file) {
 
 Model Model::parse(const std::string& text) {
   const YAML::Node model = parse_yaml(text, "model");
-  resolve_tables(model, "");
+  resolve_tables(model, std::filesystem::current_path().string());
   return Model(model);
 }
 
@@ -59,16 +51,17 @@ Model Model::replaced(const std::map<std::string, std::string>& changes) const {
     names.push_back(change.first);
     problems.check([&] {
       require_model_key(change.first);
-      override_value(document, change.first, value_of(change.first, change.second));
+      override_value(document, change.first, parse_yaml(change.second, change.first));
     });
   }
   problems.add(conflicts(names));
   problems.require_none();
+  resolve_tables(document["model"], std::filesystem::current_path().string());
   return Model(document["model"]);
 }
 
 Configuration Model::configuration(const std::map<std::string, std::string>& settings) const {
-  return parse_configuration(configuration_document(document_, settings));
+  return parse_configuration(configuration_document(YAML::Node(YAML::NodeType::Map), settings), &model_);
 }
 
 }  // namespace platoon::python

@@ -3,6 +3,7 @@
 
 import json
 import math
+import os
 import pickle
 import unittest
 
@@ -46,6 +47,28 @@ class Models(ModuleTest):
         self.assertGreater(len(model.to_dict()["leader"]["positions"]), 1000)
         self.assertEqual(sp.shipped_file("city.csv", "config/leaders"), live_platoon.shared("config", "leaders", "city.csv"))
         self.assertRaisesText(ValueError, "nowhere.csv", sp.Model.load().replace, leader="nowhere.csv")
+
+    def test_a_model_keeps_the_tables_that_it_was_made_with(self):
+        self.addCleanup(os.chdir, os.getcwd())
+        for folder, speeds, received in (("here", "5 6 7", "1 1 0"), ("there", "9 9 9", "0 0 1")):
+            os.mkdir(self.path(folder))
+            with open(self.path(folder + "/drive.csv"), "w") as file:
+                file.write("time,speed\n" + "".join("{}.0,{}\n".format(t, v) for t, v in enumerate(speeds.split())))
+            with open(self.path(folder + "/received.csv"), "w") as file:
+                file.write("received\n" + "\n".join(received.split()) + "\n")
+        os.chdir(self.path("here"))
+        paper, trace = sp.Model.load(), {"trace": "received.csv", "column": "received", "on_loss": "hold"}
+        made = [paper.replace(leader="drive.csv"), paper.replace({"leader": {"file": "drive.csv"}}), paper.replace({"channel": {"loss": trace}}),
+                sp.Model.parse(json.dumps(dict(paper.to_dict(), leader={"file": "drive.csv"})))]
+        found = [sp.monte_carlo(model, followers=2, steps=15, realizations=5).mean for model in made]
+        os.chdir(self.path("there"))
+        for model, before in zip(made, found):
+            self.assertEqual(model.replace(noise_variance=0.5).to_dict()["leader"], model.to_dict()["leader"])
+            self.assertEqual(model.replace(time_headway=3.2), model)
+        for name in ("drive.csv", "received.csv"):
+            os.remove(self.path("here/" + name))
+        for model, before in zip(made, found):
+            np.testing.assert_array_equal(sp.monte_carlo(model, followers=2, steps=15, realizations=5).mean, before)
 
     def test_a_vehicle_has_its_loop_and_its_place(self):
         model = sp.Model.load()

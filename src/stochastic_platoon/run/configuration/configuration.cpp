@@ -105,13 +105,14 @@ std::vector<std::string> signal_problems(const Configuration& configuration) {
   return problems;
 }
 
-Configuration parse_configuration(const YAML::Node& document) {
+Configuration parse_configuration(const YAML::Node& document, const PlatoonModel* known) {
   std::vector<std::string> problems;
   Section root(document, "", problems);
   require_version(root);
   if (!problems.empty()) throw ConfigurationError(problems);
   RunOptions run = read_run_options(root.section("run"));
-  const std::optional<PlatoonModel> model = read_model(root.section("model"));
+  const Section given = root.section("model");
+  const std::optional<PlatoonModel> model = known != nullptr ? std::optional(*known) : read_model(given);
   if (model && run.steps_chosen) choose_steps(*model, run);
   root.reject_unknown_keys();
   if (model && !model->recorded_leader.empty()) {

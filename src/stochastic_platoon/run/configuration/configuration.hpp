@@ -23,8 +23,8 @@ struct Configuration {
 };
 
 /// Parses {version: .., model: .., run: ..}. Throws ConfigurationError with all problems of both, or if another version
-/// of this package wrote the document.
-Configuration parse_configuration(const YAML::Node& document);
+/// of this package wrote the document. `known`: the model, in place of that in the document.
+Configuration parse_configuration(const YAML::Node& document, const PlatoonModel* known = nullptr);
 /// The same from text. Throws ConfigurationError if the text is not YAML (JSON is).
 Configuration parse_configuration(const std::string& text);
 /// The same from a recording, also of an earlier version that is_readable().
