@@ -3,26 +3,18 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <limits>
+#include <optional>
 #include <thread>
 
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/single_number.hpp"
+#include "stochastic_platoon/run/io/process_identity.hpp"
 #include "stochastic_platoon/run/results/result_check.hpp"
 #include "tools/command_line.hpp"
 
 namespace {
-
-// A process that has ended may remain as a zombie, in state Z.
-bool is_running(std::int64_t process) {
-  std::ifstream stream("/proc/" + std::to_string(process) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const std::size_t name_end = text.rfind(") ");
-  return name_end != std::string::npos && text[name_end + 2] != 'Z' && text[name_end + 2] != 'X';
-}
 
 // One line if the run passes, or one per problem.
 std::string lines_of(const std::string& folder, bool* passes) {
@@ -48,8 +40,9 @@ std::string lines_after(const std::string& process, const std::string& folder, b
     return std::filesystem::last_write_time(folder + "/summary.json", none_yet);
   };
   const auto before = written();
+  const std::optional<platoon::ProcessIdentity> launch = platoon::process_identity(static_cast<pid_t>(number));
   std::string text = lines_of(folder, passes);
-  while (is_running(number)) std::this_thread::sleep_for(std::chrono::microseconds(500));
+  while (launch && platoon::lives(*launch)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return written() == before ? text : lines_of(folder, passes);
 }
 

@@ -156,6 +156,9 @@ class RecordAndReplay(BagTest):
         self.assertGreater(len(parts), 2)
         self.assertEqual(parts[0], "run_0.bag")
         self.assertEqual(self.csv_of(*map(self.path, parts)), live_platoon.statistics(self.output))
+        without_first = live_platoon.tool("bag_statistics", "--csv", *map(self.path, parts[1:]))
+        self.assertEqual((without_first.returncode, without_first.stdout), (1, ""))
+        self.assertRegex(without_first.stderr, r"^begins with step -1 of the realizations from \d+: the messages before are missing\n")
 
     def received(self, node, master):
         """The number of messages of each vehicle's topics that a node has received."""

@@ -73,6 +73,8 @@ void RunReading::take_values(const PlatoonTopic& topic, const Position::ConstPtr
   if (!statistics_) {
     if (descriptor.id.step != kInitialStep) return;  // of an attempt whose start was missed
     statistics_ = std::make_unique<RunStatistics>(platoon_.configuration, descriptor.id.first_realization);
+    if (descriptor.id.first_realization > platoon_.configuration.run.first_realization)
+      findings_.push_back("begins with " + named(descriptor.id) + ": the messages before are missing");
   }
   statistics_->saw(message->header.stamp.toNSec());
   const std::optional<MessageId> before = statistics_->arrivals().latest(stream);

@@ -172,8 +172,11 @@ void RunRecording::abandon() noexcept {
 
 void RunRecording::stop() {
   if (finished_) return;
+  const bool is_empty = put_aside_.empty() && !partial_ && !holds_abandoned_ && arrivals_.committed() == part_begin_;
   if (!put_aside_.empty()) rewrite();
   recording_->close();
+  // Without a step, the file would do nothing but block its name.
+  if (is_empty) std::filesystem::remove(name_of_part(part_) + kActiveSuffix);
 }
 
 // Takes over the files of a killed recorder of the same launch.

@@ -6,7 +6,6 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -20,8 +19,9 @@ namespace {
 
 // Empty if it cannot be read: a process may end at any time.
 std::string content_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();  // iterators would throw if a read fails
+  return text.str();
 }
 
 std::vector<std::string> command_line_of(long process) {

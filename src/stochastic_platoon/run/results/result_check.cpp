@@ -141,12 +141,14 @@ std::optional<Agreement> recorded_agreement(const nlohmann::json& of) {
 
 void check_delivery(const nlohmann::json& summary, const Configuration& configuration,
                     std::vector<std::string>& problems) {
-  if (!summary.at("complete").get<bool>()) {
-    problems.push_back(configuration.run.averaging() == Averaging::over_time
-                           ? "not complete: the run is endless and was stopped"
-                           : formatted("not complete: %llu of %llu realizations",
-                                       summary.at("realizations").get<unsigned long long>(),
-                                       static_cast<unsigned long long>(configuration.run.realizations)));
+  const RunOptions& run = configuration.run;
+  const bool is_endless = run.averaging() == Averaging::over_time;
+  const auto measured = summary.at("realizations").get<std::uint64_t>();
+  if (!summary.at("complete").get<bool>() || (!is_endless && measured < run.realizations - run.first_realization)) {
+    problems.push_back(is_endless ? "not complete: the run is endless and was stopped"
+                                  : formatted("not complete: %llu of %llu realizations",
+                                              static_cast<unsigned long long>(measured),
+                                              static_cast<unsigned long long>(run.realizations)));
   }
   if (const auto lost = summary.at("positions_lost").get<long long>(); lost != 0)
     problems.push_back(formatted("positions_lost: %lld: must be 0 positions missing from the statistics", lost));

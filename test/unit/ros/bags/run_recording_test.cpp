@@ -102,10 +102,20 @@ TEST_F(RunRecordingTest, SplitsBetweenBatchesAndCleansTheFileItLeaves) {
 
 TEST_F(RunRecordingTest, RejectsTheUnfinishedFileOfAnotherLaunch) {
   set_batches(2, 1);
-  recording().stop();
+  {
+    RunRecording stopped = recording();
+    send(stopped, 1, 0);
+    stopped.stop();
+  }
   configuration_.run.launch_id = "another launch";
   EXPECT_THROW(recording(), ConfigurationError);
   EXPECT_EQ(folder_.entries(), Names{"run.bag.active"});
+}
+
+TEST_F(RunRecordingTest, LeavesNoFileIfItIsStoppedBeforeTheFirstStep) {
+  set_batches(2, 1);
+  recording().stop();
+  EXPECT_EQ(folder_.entries(), Names{});
 }
 
 TEST_F(RunRecordingTest, LeavesAFileUnchangedThatHasTheNameOfALaterPart) {

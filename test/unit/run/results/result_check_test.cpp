@@ -40,10 +40,12 @@ TEST_F(ResultCheckTest, AWholeRunInAgreementPasses) {
 
 TEST_F(ResultCheckTest, AnIncompleteRunDoesNotPass) {
   RunResult half = result();
-  half.complete = false;
   half.realizations = 10;
   half.tally.positions_received /= 2;
-  expect_problem(half, "not complete: 10 of 20 realizations");
+  for (const bool is_called_complete : {false, true}) {
+    half.complete = is_called_complete;
+    expect_problem(half, "not complete: 10 of 20 realizations");
+  }
 }
 
 TEST_F(ResultCheckTest, PositionsMissingFromTheStatisticsAreAProblem) {
