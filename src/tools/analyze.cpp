@@ -86,7 +86,8 @@ int analyze_main(int argc, char** argv) {
         {"signals",
          platoon::all_signal_names() +
              ", separated by commas: their moments beside those of the errors; with the speed its amplification"},
-        {"collision_probability", "per step: collisions, and the standstill distance that keeps to it"}}});
+        {"collision_probability",
+         "per step, above 0, below 0.5: collisions, and the standstill distance that keeps to it"}}});
   try {
     platoon::ProblemCollector problems;
     if (given.has("sweep_gain") && !given.has("sweep_headway"))

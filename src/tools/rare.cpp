@@ -164,6 +164,9 @@ int rare_main(int argc, char** argv) {
     }
     if (given.has("shard") && given.has("trajectories"))
       problems.add("shard: given: must be absent beside trajectories");
+    problems.check([&] {
+      if (given.has("shard")) platoon::parse_shard(given["shard"]);  // before any work; below against the samples
+    });
     problems.require_none();
     const std::optional<platoon::RareRequirement>& requirement = *asked;
     platoon::Configuration configuration = *found;

@@ -69,8 +69,10 @@ Shard parse_shard(const std::string& text, std::uint64_t realizations) {
     const Shard shard{static_cast<std::uint64_t>(index), static_cast<std::uint64_t>(of)};
     if (shard.of <= realizations && shard.of <= kMostShards) return shard;
   }
-  throw ConfigurationError({"shard: " + shortened(text) + ": must be I/N, I from 0 to N - 1, N at most the " +
-                            std::to_string(realizations) + " realizations and " + std::to_string(kMostShards)});
+  const std::string of_run =
+      realizations == kMostShards ? "" : "the " + std::to_string(realizations) + " realizations and ";
+  throw ConfigurationError({"shard: " + shortened(text) + ": must be I/N, I from 0 to N - 1, N at most " + of_run +
+                            std::to_string(kMostShards)});
 }
 
 std::string name_of(const Shard& shard) {

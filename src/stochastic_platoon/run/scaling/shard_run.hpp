@@ -30,8 +30,8 @@ struct ShardRun {
   nlohmann::json identity() const;  ///< of the statistics
 };
 
-/// Parses I/N, given the number of realizations or samples. Throws ConfigurationError.
-Shard parse_shard(const std::string& text, std::uint64_t realizations);
+/// Parses I/N, given the number of realizations or samples, if it is known. Throws ConfigurationError.
+Shard parse_shard(const std::string& text, std::uint64_t realizations = kMostShards);
 
 /// "shard 3/64".
 std::string name_of(const Shard& shard);

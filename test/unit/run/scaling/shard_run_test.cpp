@@ -33,6 +33,7 @@ TEST(ParseShard, RejectsEverythingElse) {
               "shard: " + std::string(text) +
                   ": must be I/N, I from 0 to N - 1, N at most the 1000 realizations and 1000000");
   }
+  EXPECT_EQ(rejection("0/1000001", kMostShards), "shard: 0/1000001: must be I/N, I from 0 to N - 1, N at most 1000000");
   EXPECT_NE(rejection("0/1000001", 2000000), "");
 }
 
