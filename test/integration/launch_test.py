@@ -193,7 +193,10 @@ class Live(LaunchTest):
         subprocess.run([live_platoon.system_executable("rosbag", "record"), "-O", bag, "-l", "20", "/platoon/markers"],
                        env=environment, check=True, stdout=subprocess.DEVNULL, timeout=live_platoon.DEADLINE)
         with rosbag.Bag(bag) as recorded:
-            last = [message for _, message, _ in recorded.read_messages()][-1].markers
+            received = [message.markers for _, message, _ in recorded.read_messages()]
+        last = received[-1]
+        emptied = [markers for markers in received if [marker.action for marker in markers] == [3]]
+        self.assertEqual(len(emptied), 1, "RViz deletes all markers of an earlier run")
         shown = {marker.ns: marker for marker in last}
         bodies = [point.x for point in shown["bodies"].points]
         self.assertEqual((len(bodies), bodies[0] + 0.5 * shown["bodies"].scale.x), (4, 0.0), "the front of the leader is at its position")

@@ -50,6 +50,14 @@ std::vector<std::vector<std::size_t>> far_sources(const Configuration& configura
   return sources;
 }
 
+// RViz keeps the markers of a node that has ended: those of a run with more vehicles would stay on the road.
+void delete_all(const ros::SingleSubscriberPublisher& viewer) {
+  visualization_msgs::MarkerArray message;
+  message.markers.resize(1);
+  message.markers.front().action = visualization_msgs::Marker::DELETEALL;
+  viewer.publish(message);
+}
+
 }  // namespace
 
 Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, RunMembership::Join superseded)
@@ -58,7 +66,7 @@ Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, Ru
       variance_(predict(configuration).variance),
       lengths_(lengths_of(configuration)),
       far_sources_(far_sources(configuration)),
-      markers_(platoon.advertise<visualization_msgs::MarkerArray>("markers", 1)),
+      markers_(platoon.advertise<visualization_msgs::MarkerArray>("markers", 1, delete_all)),
       frames_(platoon.advertise<tf2_msgs::TFMessage>("/tf", 10)) {
   snapshots_ = platoon.subscribe(kSnapshotTopic, 1, &Markers::receive, this);
 }

@@ -33,7 +33,10 @@ void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& mes
   if (message.position.empty()) return;
   const double present = now();
   const Locked lock(lock_);
-  if (message.run != run_) assembly_.clear();
+  if (message.run != run_) {
+    assembly_.clear();
+    complete_.reset();  // of the run before: it would carry the new one's name
+  }
   run_ = message.run;
   std::optional<Snapshot> complete = assembly_.take(stream, id_of(message), message.position.front(), present);
   if (!complete) return;
