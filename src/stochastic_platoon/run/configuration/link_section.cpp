@@ -186,7 +186,7 @@ LossModel read_loss(Section section, const std::optional<LossModel>& base, bool 
   }
   if (loss.by_distance && section.has("mean_burst")) require_alone(section, "by_distance", {"mean_burst"});
   if (!loss.trace && !loss.by_distance && !loss.markov && section.has("mean_burst"))
-    loss.mean_burst = section.number("mean_burst", kPositive);
+    loss.mean_burst = section.number("mean_burst", kAnyFinite);
   if (!loss.trace && !loss.markov && loss.mean_burst && section.problems() == before) check_burst(section, loss);
   if (section.has("on_loss")) loss.predictor = read_predictor(section, signal);
   section.reject_unknown_keys();
