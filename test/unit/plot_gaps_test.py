@@ -158,6 +158,13 @@ class Gaps(GapTest):
         low, high = axes.get_ylim()
         self.assertTrue(1e-4 / 200 <= low < 4.0 / 204 < high <= 2.0)
 
+    def test_the_legend_gives_the_figures_of_a_theory_that_is_below_the_axis(self):
+        run = sp.Results.load(self.make_gaps(standstill=50.0, bounds=[0.0, 1e-300, 1e-200]))
+        analysis = sp.Analysis.load(self.make_collisions(probability=[0.0, 1e-90, 3e-80], limit_probability=2e-70))
+        labels = [text.get_text() for text in plot.gaps.draw([run], [analysis], []).axes[1].get_legend().get_texts()]
+        self.assertEqual(labels[-3:], ["per realization, upper bound by theory: at most 1e-200", "per step, theory: at most 3e-80",
+                                       "per step, endless string: 2e-70"])
+
     def test_the_legend_and_the_title_name_collisions_and_gaps_below_the_safe_gap(self):
         axes = plot.gaps.draw([sp.Results.load(self.make_gaps(standstill=50.0, safe_gap=2.0))], [], []).axes[1]
         labels = [text.get_text() for text in axes.get_legend().get_texts()]

@@ -196,26 +196,32 @@ def draw_distances(axes: Axes, speed: float) -> None:
 
 def draw_probabilities(axes: Axes, gaps: sp.Gaps, analysis: Optional[sp.Analysis], looks: Looks, of: str) -> None:
     """Draws shares and probabilities of one run; `of` begins their labels."""
-    followers = np.arange(1, gaps.count.size + 1)
-    dots = "." if followers.size <= SPARSE else ""
     lowest = DEEPEST / realizations_of(gaps)
     safe = not of and has_safe_gap(gaps)
     draw_shares(axes, gaps, gaps.collisions, looks.measured, looks.marker, "collision" if safe else "per realization", "no collision", of)
-    bound = gaps.theoretical_collision_bound
-    if (bound >= lowest).any():
-        axes.plot(followers, visible(np.minimum(bound, 1.0)), color=looks.bound, linewidth=1.3, marker=dots,
-                  label=of + "per realization, upper bound by theory")
+    draw_theory(axes, np.minimum(gaps.theoretical_collision_bound, 1.0), lowest, looks.bound, "-", of + "per realization, upper bound by theory")
     if safe:
         event = "gap below {:g} m".format(gaps.safe_gap)
         draw_shares(axes, gaps, gaps.below_safe_gap, SAFE, "s", event, "no " + event)
     if analysis is not None:
-        probability, limit = analysis.numbers("collision.probability"), analysis.number("collision.limit_probability")
-        if (probability >= lowest).any():
-            axes.plot(followers, visible(probability), color=looks.per_step, linewidth=1.3, linestyle="-.", marker=dots,
-                      label=of + "per step, theory")
+        limit = analysis.number("collision.limit_probability")
+        draw_theory(axes, analysis.numbers("collision.probability"), lowest, looks.per_step, "-.", of + "per step, theory")
+        label = of + "per step, endless string: {:.3g}".format(limit)
         if limit >= lowest:
-            axes.axhline(limit, color=looks.per_step, linewidth=1.0, linestyle=style.DASHED,
-                         label=of + "per step, endless string: {:.3g}".format(limit))
+            axes.axhline(limit, color=looks.per_step, linewidth=1.0, linestyle=style.DASHED, label=label)
+        elif limit >= 0.0:
+            axes.plot([], [], color=looks.per_step, linewidth=1.0, linestyle=style.DASHED, label=label)
+
+
+def draw_theory(axes: Axes, probability: Array, lowest: float, colour: str, dashes: str, label: str) -> None:
+    """Draws a probability per follower. The legend gives the largest one where all of them are below the axis."""
+    followers = np.arange(1, probability.size + 1)
+    known = probability[~np.isnan(probability)]
+    if not known.size:
+        return
+    seen = known.max() >= lowest
+    axes.plot(followers if seen else [], visible(probability) if seen else [], color=colour, linewidth=1.3, linestyle=dashes,
+              marker="." if followers.size <= SPARSE else "", label=label if seen else label + ": at most {:.3g}".format(known.max()))
 
 
 def has_safe_gap(gaps: sp.Gaps) -> bool:
