@@ -6,18 +6,13 @@
 #include <cmath>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 
-#include "stochastic_platoon/math/model/signal.hpp"
-#include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
 
 namespace platoon {
 
 namespace {
-// Limit of the noise counter for realizations and steps.
-constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
-
 // Cells of the statistics: followers times steps. A run keeps about 200 bytes per cell.
 constexpr std::int64_t kMaxCells = 20000000;
 
@@ -25,29 +20,6 @@ constexpr std::uint64_t kMaxPositions = std::uint64_t{1} << 63;
 
 // The paper's example has a sample period of 0.1 s and 100 steps.
 constexpr std::int64_t kFewestChosenSteps = 100;
-
-// Whether a value is left empty, so that its default is chosen once the model is known.
-bool is_left_empty(Section& section, const std::string& key) {
-  return section.has(key) && section.text(key, "a whole number").empty();
-}
-
-// A rate or a time: 0, or at least `least`. ROS timers count nanoseconds in 64 bits, and seconds in 32.
-double read_zero_or_more(Section& section, const std::string& key, double least) {
-  const double value = section.number(key, {kNotNegative.text, 0.0, 1e6});
-  if (value > 0.0 && value < least) section.reject(key, formatted("%g", value), formatted("0 or at least %g", least));
-  return value;
-}
-
-std::vector<std::string> read_signals(Section& section) {
-  const std::string text = section.text("signals");
-  try {
-    return signal_names(text);
-  } catch (const std::invalid_argument&) {
-    section.reject("signals", printable(shortened(text)),
-                   "some of " + all_signal_names() + ", each once, separated by commas");
-    return {};
-  }
-}
 
 }  // namespace
 
@@ -102,36 +74,14 @@ std::int64_t chosen_window(std::uint64_t batch, std::size_t followers) {
 }
 
 RunOptions read_run_options(Section section) {
-  RunOptions options;
-  options.followers = static_cast<std::size_t>(section.integer("followers", 1, kMaxFollowers));
-  options.steps_chosen = is_left_empty(section, "steps");
-  options.steps = options.steps_chosen ? kFewestChosenSteps : section.integer("steps", 0, kMaxCount);
-  options.realizations = static_cast<std::uint64_t>(section.integer("realizations", 1, kMaxCount));
-  options.batch = static_cast<std::uint64_t>(section.integer("batch", 0, 1 << 24));
-  options.rate = read_zero_or_more(section, "rate", 1e-6);
-  options.seed = static_cast<std::uint64_t>(section.integer("seed", 0, INT64_MAX));
-  options.hosting = section.choice("hosting", {"processes", "one_process"}) == "one_process" ? Hosting::one_process
-                                                                                             : Hosting::processes;
-  options.output = section.text("output");
-  options.resume = section.boolean("resume");
-  options.first_realization = static_cast<std::uint64_t>(section.integer("first_realization", 0, kMaxCount));
-  options.record = section.text("record");
-  options.record_split_mb = section.integer("record_split_mb", 0, 1 << 30);
-  options.record_compression = section.choice("record_compression", {"none", "lz4"});
-  options.launch_id = section.text("launch_id");
+  RunOptions options{};
+  if (section.has("burn_in_chosen")) options.burn_in_chosen = section.boolean("burn_in_chosen");
   options.number =
       section.has("run_number") ? static_cast<std::uint64_t>(section.integer("run_number", 1, kMaxCount)) : 1;
-  options.window = section.integer("window", 0, 1 << 20);
-  options.stall_timeout = read_zero_or_more(section, "stall_timeout", 1e-3);
-  options.burn_in_chosen = section.has("burn_in_chosen") && section.boolean("burn_in_chosen");
-  if (is_left_empty(section, "burn_in")) {
-    options.burn_in_chosen = true;
-    options.burn_in = 0;  // until the model is known
-  } else {
-    options.burn_in = section.integer("burn_in", 0, kMaxCount);
+  for (const Setting& setting : settings()) {
+    if (setting.of_run.read) setting.of_run.read(section, setting.name, options);
   }
-  if (section.has("external")) options.external = read_external(section, options.followers);
-  if (section.has("signals")) options.signals = read_signals(section);
+  if (options.steps_chosen) options.steps = kFewestChosenSteps;
   section.reject_unknown_keys();
   if (options.steps == 0 && !options.signals.empty())
     section.reject("signals", boost::algorithm::join(options.signals, ","), "empty for averages over time (steps: 0)");
@@ -178,31 +128,14 @@ std::size_t RunOptions::pipeline_depth() const {
 }
 
 nlohmann::json to_json(const RunOptions& options) {
-  nlohmann::json document = {{"followers", options.followers},
-                             {"steps", options.steps},
-                             {"realizations", options.realizations},
-                             {"batch", options.batch},
-                             {"rate", options.rate},
-                             {"seed", options.seed},
-                             {"hosting", to_string(options.hosting)},
-                             {"output", options.output},
-                             {"resume", options.resume},
-                             {"first_realization", options.first_realization},
-                             {"record", options.record},
-                             {"record_split_mb", options.record_split_mb},
-                             {"record_compression", options.record_compression},
-                             {"launch_id", options.launch_id},
-                             {"window", options.window},
-                             {"stall_timeout", options.stall_timeout},
-                             {"burn_in", options.burn_in}};
+  nlohmann::json document = nlohmann::json::object();
+  for (const Setting& setting : settings()) {
+    if (!setting.of_run.write) continue;
+    const nlohmann::json value = setting.of_run.write(options);
+    if (!value.is_null()) document[setting.name] = value;
+  }
   if (options.burn_in_chosen) document["burn_in_chosen"] = true;
   if (options.number > 1) document["run_number"] = options.number;
-  // Absent without external vehicles, so that the text of other runs never changes.
-  std::string external;
-  for (const std::size_t vehicle : options.external)
-    external += (external.empty() ? "" : ",") + std::to_string(vehicle);
-  if (!external.empty()) document["external"] = external;
-  if (!options.signals.empty()) document["signals"] = boost::algorithm::join(options.signals, ",");
   return document;
 }
 

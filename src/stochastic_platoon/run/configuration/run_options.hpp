@@ -13,6 +13,9 @@ namespace platoon {
 /// The largest number of followers.
 inline constexpr std::int64_t kMaxFollowers = 1000000;
 
+/// Limit of the noise counter for realizations and steps.
+inline constexpr std::int64_t kMaxCount = std::int64_t{1} << 46;
+
 /// The place where the vehicles of a run are computed. Launch files accept the first two.
 enum class Hosting { processes, one_process, monte_carlo, bag };
 

@@ -1,13 +1,27 @@
 #pragma once
 
+#include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "stochastic_platoon/run/configuration/run_options.hpp"
+#include "stochastic_platoon/run/configuration/section.hpp"
+
 namespace platoon {
 
+/// A value of RunOptions in a document.
+struct RunValue {
+  /// Reads the value at a key of the section; a fault is added to the section's problems.
+  std::function<void(Section& section, const std::string& key, RunOptions& run)> read;
+  /// Null if the key is left out, so that the text of runs without the option never changes.
+  std::function<nlohmann::json(const RunOptions& run)> write;
+};
+
 /// One argument of platoon.launch, and an option of the tools that take it: its name, default and meaning.
-/// platoon.launch repeats them, because roslaunch cannot read them from here; settings_test compares both.
+/// platoon.launch repeats them, because roslaunch cannot read them from here; settings_test compares both. Readers,
+/// writers, parameters, --help and sweeps go through these rows.
 struct Setting {
   const char* name;           ///< "noise_variance"; as an option --noise-variance
   const char* default_value;  ///< as text
@@ -16,6 +30,7 @@ struct Setting {
   const char* model_key;
   /// Further model file keys that a value replaces: the same quantity in another unit or form.
   std::vector<const char*> replaces = {};
+  RunValue of_run = {};  ///< of a setting without model file key
 };
 
 /// All settings except `model`, the name of the model file.
