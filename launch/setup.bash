@@ -5,7 +5,7 @@ platoon_packages=(
   cmake g++ make
   ros-core rosbash ros-message-generation ros-message-runtime libroscpp-dev librosbag-storage-dev libstd-msgs-dev libstd-srvs-dev libvisualization-msgs-dev ros-std-msgs ros-std-srvs
   libdiagnostic-updater-dev libdiagnostic-msgs-dev libtf2-msgs-dev
-  libboost-program-options-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev pybind11-dev python3-dev
+  libboost-program-options-dev libeigen3-dev libxxhash-dev libyaml-cpp-dev nlohmann-json3-dev pybind11-dev python3-dev
   python3-diagnostic-msgs python3-diagnostic-updater python3-geometry-msgs python3-matplotlib python3-nav-msgs python3-numpy
   python3-rosbag python3-rospy python3-scipy python3-std-msgs python3-std-srvs
 )

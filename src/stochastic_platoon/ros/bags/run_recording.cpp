@@ -235,7 +235,6 @@ bool RunRecording::take_over(const std::string& file) {
       }
     }
   }
-
   std::uint64_t committed = configuration_.run.realizations;
   std::uint32_t attempt = arrivals_.attempt();
   for (const std::optional<MessageId>& id : latest) {
