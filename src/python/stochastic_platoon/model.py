@@ -92,8 +92,8 @@ class Model:
     def replace(self, changes: Optional[Mapping[str, Any]] = None, **keys: Any) -> Model:
         """The model with other values of keys of the model file; nested ones as a path: replace({"channel/delay": 2}).
 
-        The short names of launch arguments work, too: headway, loss, mean_burst, delay, leader. Raises ValueError with all
-        problems.
+        The short names of launch arguments work, too: headway, loss, mean_burst, delay, leader. A relative path of a table
+        (leader/file, channel/loss/trace) is one from the working directory. Raises ValueError with all problems.
         """
         named = {str(name): _as_json(value, name) for name, value in {**(changes or {}), **keys}.items()}
         return Model(self._handle.replaced(named))
