@@ -66,7 +66,8 @@ Markers::Markers(ros::NodeHandle platoon, const Configuration& configuration, Ru
       variance_(predict(configuration).variance),
       lengths_(lengths_of(configuration)),
       far_sources_(far_sources(configuration)),
-      markers_(platoon.advertise<visualization_msgs::MarkerArray>("markers", 1, delete_all)),
+      markers_(
+          platoon.advertise<visualization_msgs::MarkerArray>("markers", 1, ros::SubscriberStatusCallback(delete_all))),
       frames_(platoon.advertise<tf2_msgs::TFMessage>("/tf", 10)) {
   snapshots_ = platoon.subscribe(kSnapshotTopic, 1, &Markers::receive, this);
 }
