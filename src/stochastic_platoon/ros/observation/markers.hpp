@@ -13,8 +13,8 @@ namespace platoon {
 /// Shows one realization of the platoon in RViz: a road and the vehicles, dark blue for the first follower to dark red
 /// for the last as in the paper's figures. The front of each vehicle is at its position; points are drawn 3 m long. It
 /// has its tracking error above it, and on the road its desired position plus and minus two standard deviations by
-/// theory. A closing gap between two vehicles is red. A new viewer first deletes what an earlier run has left. Costs the
-/// platoon one subscription.
+/// theory. A closing gap between two vehicles is red. A new viewer first deletes what an earlier run has left. Costs
+/// the platoon one subscription.
 ///
 /// Subscribes: snapshot (stochastic_platoon/Snapshot). Publishes: markers (visualization_msgs/MarkerArray) in the frame
 /// "platoon", whose origin is the leader, and /tf: "platoon" -> "vehicle_0" .. "vehicle_N", at their fronts, and, at
