@@ -108,6 +108,7 @@ void merge_into(const platoon::CommandLine& given) {
   run.configuration.run.launch_id.clear();
   run.options.speed = platoon::rare_options(given.options).speed;
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run.configuration.run);
+  platoon::starting_point(run.configuration);  // throws if the folder holds results, or a shard
   const platoon::RareResult result = platoon::rare_result(run, merged.totals);
   platoon::write_rare(output, result);
   std::cout << result.report << "Results: " << output << "/rare.csv and rare.json\n";
@@ -126,7 +127,7 @@ int rare_main(int argc, char** argv) {
         {"method",
          "condition: conditioned realizations, for links with normal errors; split: splitting by levels, for losses, quantisation and limits; auto: by the model (auto)"},
         {"required",
-         "probability of a small gap of any follower: finds the smallest --over whose upper 95 % limit satisfies it, and estimates there"},
+         "probability of a small gap of any follower: finds the smallest --over, to 0.1 %, whose upper 95 % limit satisfies it, and estimates there"},
         {"per", "with --required: run or hour (run)"},
         {"over", "with --required: standstill_distance or time_headway, of the default vehicle (standstill_distance)"},
         {"speed", "[m/s]: rare.json also has probabilities per kilometre at this speed"},

@@ -49,6 +49,9 @@ class Estimations(RareTest):
             self.assertEqual(tool("rare", *shards, output=self.path(method + "_merged")).returncode, 0)
             self.assertEqual(self.content(method + "_merged"), self.content(method + "_1"))
             self.assertIn("rare DIR", tool("merge", *shards, output=self.path("other")).stderr)
+            self.assertIn("holds a shard of a run", tool("rare", *shards, output=shards[0]).stderr)
+            self.assertIn("holds results already", tool("rare", model=model, output=self.path(method + "_1"), shard="0/3", **options).stderr)
+            self.assertIn("holds rare.csv: must be the results of a run", tool("check", self.path(method + "_1")).stdout)
 
     def test_ctrl_c_ends_it_also_in_the_pilot_run_and_its_folder_is_only_for_the_same_command(self):
         model = self.model(standstill_distance=3.0)
@@ -107,6 +110,11 @@ class Estimations(RareTest):
             self.assertEqual((rows[vehicle]["probability"], rows[vehicle]["standard_error"], rows[vehicle]["upper"]), (1.0, 0.0, 1.0))
         (_, _), (share, error) = self.measured("near", model, 1.0, followers=2, steps=20, realizations=300000)
         self.assert_covered(rows["2"], share, error)
+
+    def test_an_estimate_beyond_its_bound_is_the_bound_and_has_an_interval_below(self):
+        row = self.estimate("bound", self.model(standstill_distance=3.9375), followers=3, steps=50, realizations=2000)["3"]
+        self.assertEqual((row["probability"], row["upper"]), (row["bound"], row["bound"]))
+        self.assertTrue(1.0 < (row["probability"] - row["lower"]) / row["standard_error"] < 3.0, row)
 
     def test_one_follower_out_of_reach_has_an_upper_limit(self):
         row = self.estimate("alone", self.model(standstill_distance=80.0), followers=1, steps=20, realizations=2000, method="split")["1"]

@@ -120,6 +120,57 @@ class Check(RunTest):
         sign(self.run_folder, summary)
         self.fails("the verdict is not that of the recorded model")
 
+    def forge(self, folder, name, column):
+        """Increases the first number of a column that has one by a thousandth, and signs; returns the line, and the table as it was."""
+        file = pathlib.Path(folder, name)
+        before = file.read_text()
+        rows = [line.split(",") for line in before.splitlines()]
+        at = rows[0].index(column)
+        line, row = next((n, row) for n, row in enumerate(rows, 1) if n > 1 and row[at] not in ("", "0"))
+        row[at] = repr(1.001 * float(row[at]))
+        file.write_text("".join(",".join(row) + "\n" for row in rows))
+        sign(folder)
+        return line, before
+
+    def test_every_forged_column_of_theory_places_and_counts_is_named(self):
+        lossy = self.path("lossy")
+        done = live_platoon.tool("monte_carlo", output=lossy, loss=0.1, **dict(self.OPTIONS, signals=""))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        forged = set()
+        for folder in (self.run_folder, lossy):
+            for table in sorted(name for name in os.listdir(folder) if name.endswith(".csv")):
+                names = pathlib.Path(folder, table).read_text().splitlines()[0].split(",")
+                places = ["vehicle", "step", "count"] if table in ("statistics.csv", "signals.csv") else []
+                for column in [name for name in names if name.startswith("theoretical_")] + places:
+                    with self.subTest(table=table, column=column):
+                        line, before = self.forge(folder, table, column)
+                        self.fails("{}: line {}: ".format(table, line), folder=folder)
+                        pathlib.Path(folder, table).write_text(before)
+                        sign(folder)
+                        forged.add(table)
+        self.assertEqual(forged, {"statistics.csv", "signals.csv", "gaps.csv", "amplification.csv", "ages.csv"})
+
+    def test_every_forged_figure_of_a_summary_is_named(self):
+        figures = {name: value for name, value in self.summary()["theory"].items() if isinstance(value, float) and value != 0.0}
+        self.assertLess({"limit_variance", "peak_gain"}, set(figures))
+        for name, value in figures.items():
+            summary = self.summary()
+            summary["theory"][name] = 1.001 * value
+            sign(self.run_folder, summary)
+            self.fails("summary.json: theory/{}: ".format(name))
+            summary["theory"][name] = value
+            sign(self.run_folder, summary)
+        for name, value in (("followers", 4), ("steps", 61), ("seed", 2)):
+            summary = self.summary()
+            true, summary[name] = summary[name], value
+            sign(self.run_folder, summary)
+            self.fails("summary.json: {}: {}: must be {}, by the recorded model and run".format(name, value, true))
+            summary[name] = true
+            sign(self.run_folder, summary)
+        summary["theory"]["stationary_variance"][1] *= 1.001
+        sign(self.run_folder, summary)
+        self.fails("summary.json: theory/stationary_variance/1: ")
+
     def test_an_incomplete_run_is_named(self):
         summary = self.summary()
         summary.update(complete=False, realizations=200)

@@ -152,7 +152,7 @@ std::string identity_differences(const nlohmann::json& there, const nlohmann::js
 
 void require_no_results(const std::string& output) {
   const bool statistics = may_exist(output + "/statistics.csv") && !may_exist(unfinished_summary_file(output));
-  if (!statistics && !may_exist(output + "/summary.json")) return;
+  if (!statistics && !may_exist(output + "/summary.json") && !may_exist(output + "/rare.csv")) return;
   throw ConfigurationError(
       {"output: " + output +
        ": holds results already, which are never overwritten, and no checkpoint to continue from: must be another folder"});

@@ -71,7 +71,7 @@ RareRow row_of(const Configuration& configuration, const RareEstimator& estimato
       of.log_probability = limited(own.log_probability);
       of.log_per_hour = log_per_hour(configuration, of.log_probability);
       of.relative_error = own.relative_error;
-      if (!std::isnan(own.reach)) of.log_lower = limited(own.log_probability - own.reach);
+      if (!std::isnan(own.reach)) of.log_lower = limited(of.log_probability - own.reach);
     }
   }
   std::size_t deepest = nested.size();

@@ -8,11 +8,10 @@
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/signal_moments.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
-#include "stochastic_platoon/run/report/json_value.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/model_comparison.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 
@@ -22,22 +21,10 @@ namespace {
 
 using Column = std::vector<double>;
 
-// Relative difference of theories computed on two machines.
-constexpr double kSameTheory = 1e-6;
-
-const Column& column(const ResultTables& files, const char* file, const char* name) {
-  const CsvTable& table = files.tables.at(file);
-  const auto found = std::find(table.names.begin(), table.names.end(), name);
-  const std::size_t at = static_cast<std::size_t>(found - table.names.begin());
-  const Column* values = found == table.names.end() ? nullptr : std::get_if<Column>(&table.columns[at]);
-  if (values == nullptr) throw std::invalid_argument(formatted("%s.csv: %s: must be a column of numbers", file, name));
-  return *values;
-}
-
 // As measured, without fourth moments.
 std::vector<Moments> moments_in(const ResultTables& files, const char* file, std::size_t cells) {
-  const Column &counts = column(files, file, "count"), &means = column(files, file, "mean"),
-               &variances = column(files, file, "variance");
+  const Column &counts = number_column(files, file, "count"), &means = number_column(files, file, "mean"),
+               &variances = number_column(files, file, "variance");
   if (counts.size() != cells)
     throw std::invalid_argument(
         formatted("%s.csv: %zu rows: must be %zu, by its followers, steps and signals", file, counts.size(), cells));
@@ -57,67 +44,13 @@ RunResult result_in(const ResultTables& files, const Configuration& configuratio
   const RunOptions& run = configuration.run;
   const auto cells = run.followers * static_cast<std::size_t>(run.averaging() == Averaging::over_time ? 1 : run.steps);
   result.moments = moments_in(files, "statistics", cells);
-  for (const double step : column(files, "statistics", "step"))
+  for (const double step : number_column(files, "statistics", "step"))
     result.last_steps.push_back(static_cast<std::int64_t>(step));
   if (files.tables.count("signals") == 0) return result;
   const std::vector<Moments> all = moments_in(files, "signals", run.signals.size() * cells);
   for (auto of = all.begin(); of != all.end(); of += static_cast<std::ptrdiff_t>(cells))
     result.signals.emplace_back(of, of + static_cast<std::ptrdiff_t>(cells));
   return result;
-}
-
-bool is_same(double written, double computed, double scale) {
-  if (std::isnan(written) || std::isnan(computed)) return std::isnan(written) && std::isnan(computed);
-  return std::abs(written - computed) <= kSameTheory * std::max(std::abs(computed), scale) || written == computed;
-}
-
-// What the recorded model has in a row of a table, and the rounding in it.
-struct TheoryRow {
-  double mean, variance, mean_rounding, variance_rounding;
-};
-
-// Appends a problem for the first row whose theory is not that of the recorded model.
-void compare_theory(const ResultTables& files, const char* file, const std::vector<TheoryRow>& rows,
-                    std::vector<std::string>& problems) {
-  const Column &means = column(files, file, "theoretical_mean"),
-               &variances = column(files, file, "theoretical_variance");
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const TheoryRow& of = rows[r];
-    if (is_same(means[r], of.mean, std::sqrt(std::abs(of.variance)) + of.mean_rounding / kSameTheory) &&
-        is_same(variances[r], of.variance, of.variance_rounding / kSameTheory))
-      continue;
-    return problems.push_back(formatted(
-        "%s.csv: line %zu: a theoretical mean of %.9g and variance of %.9g, but the recorded model has %.9g and %.9g",
-        file, r + 2, means[r], variances[r], of.mean, of.variance));
-  }
-}
-
-void compare_theory(const ResultTables& files, const Configuration& configuration, const Prediction& prediction,
-                    std::vector<std::string>& problems) {
-  std::vector<TheoryRow> rows;
-  for (std::size_t c = 0; c < prediction.mean.size(); ++c) {
-    const double rounding = prediction.rounding.empty() ? 0.0 : prediction.rounding[c];
-    rows.push_back({prediction.mean[c], prediction.variance[c], rounding, 0.0});
-  }
-  compare_theory(files, "statistics", rows, problems);
-  if (files.tables.count("signals") == 0) return;
-  const RunOptions& run = configuration.run;
-  rows.clear();
-  for (std::size_t s = 0; s < run.signals.size(); ++s) {
-    for (std::size_t i = 1; i <= run.followers; ++i) {
-      for (std::int64_t k = 0; k < run.steps; ++k) {
-        if (prediction.signals.empty() || i > prediction.followers_with_theory) {
-          rows.push_back({kNaN, kNaN, 0.0, 0.0});
-          continue;
-        }
-        const SignalMoments& of = prediction.signals[s];
-        const std::size_t c = cell(i, k, run.steps);
-        const double rounding = prediction.signal_rounding[s];
-        rows.push_back({of.mean[c], of.variance[c], rounding, rounding * rounding});
-      }
-    }
-  }
-  compare_theory(files, "signals", rows, problems);
 }
 
 // Appends a problem if the scores are not plausible.
@@ -158,11 +91,7 @@ void check_figures(const ResultTables& files, const Configuration& configuration
   const nlohmann::json& summary = files.summary;
   const Prediction prediction = predict(configuration);
   const RunResult result = result_in(files, configuration);
-  compare_theory(files, configuration, prediction, problems);
-  if (summary.at("theory").at("string_stable") !=
-      (prediction.has_theory() ? truth(prediction.stability.decision()) : nlohmann::json()))
-    problems.push_back("summary.json: the verdict is not that of the recorded model, which is: " +
-                       prediction.stability.reason);
+  compare_with_model(files, configuration, prediction, result, problems);
   const nlohmann::json& agreement = summary.at("agreement");
   if (const auto recorded = recorded_agreement(agreement)) judge("the scores of summary.json", *recorded, problems);
   const nlohmann::json of_signals = agreement.value("signals", nlohmann::json::object());
@@ -209,6 +138,11 @@ std::string passed(const nlohmann::json& summary, const RunOptions& run) {
 void require_results(const std::string& folder) {
   if (std::error_code error; may_exist(folder + "/summary.json") || !std::filesystem::is_directory(folder, error))
     return;
+  for (const char* file : {"rare.csv", "sweep.csv", "tune.json"}) {
+    if (may_exist(folder + "/" + file))
+      throw std::invalid_argument(std::string("holds ") + file +
+                                  ": must be the results of a run, as only these are judged");
+  }
   const std::optional<Checkpoint> found = read_checkpoint(folder);
   if (!found)
     throw std::invalid_argument("not complete: nothing was measured (neither a summary.json nor a checkpoint)");

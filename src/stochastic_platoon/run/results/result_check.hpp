@@ -15,7 +15,8 @@ struct ResultCheck {
 /// agree:
 ///
 /// - measurement and theory, by the scores of the summary and, for normal errors, by those of the table, computed anew;
-/// - the theory of the table and the summary with the theory of the recorded model, computed anew;
+/// - the theory of all tables and of the summary with the theory of the recorded model, computed anew;
+/// - places and counts of the rows with the run's followers, steps and realizations;
 /// - the figures of the theory with each other, see contradictions();
 /// - the verdict with the measured growth, see measured_growth().
 ///

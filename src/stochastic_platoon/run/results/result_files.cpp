@@ -23,16 +23,6 @@ namespace platoon {
 
 namespace {
 
-nlohmann::json theory_json(const Prediction& prediction) {
-  nlohmann::json theory = to_json(prediction.stability);
-  theory["stationary_variance"] = numbers(prediction.stationary_variance);
-  if (prediction.has_theory()) return theory;
-  for (const auto& [key, value] : theory.items()) {
-    if (key != "reason") value = nullptr;
-  }
-  return theory;
-}
-
 // JSON has neither infinite numbers nor NaN, and null means that nothing was compared.
 double written_score(double score) {
   constexpr double kLargest = 1e9;
@@ -115,6 +105,16 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
 }
 
 }  // namespace
+
+nlohmann::json theory_json(const Prediction& prediction) {
+  nlohmann::json theory = to_json(prediction.stability);
+  theory["stationary_variance"] = numbers(prediction.stationary_variance);
+  if (prediction.has_theory()) return theory;
+  for (const auto& [key, value] : theory.items()) {
+    if (key != "reason") value = nullptr;
+  }
+  return theory;
+}
 
 std::string statistics_csv(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;

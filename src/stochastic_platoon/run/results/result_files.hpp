@@ -21,6 +21,9 @@ void write_results(const Configuration& configuration, const Prediction& predict
 std::map<std::string, std::string> result_files(const Configuration& configuration, const Prediction& prediction,
                                                 const RunResult& result);
 
+/// The verdict and the figures of the theory for summary.json; null without a theory, but for the reason.
+nlohmann::json theory_json(const Prediction& prediction);
+
 /// The text of a summary with the "crc32" of these tables, contents by file name, and of its own.
 std::string with_checksums(nlohmann::json summary, const std::map<std::string, std::string>& tables);
 

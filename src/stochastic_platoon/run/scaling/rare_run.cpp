@@ -157,7 +157,8 @@ double required_value(const RareRequirement& requirement, double start,
     double most = -std::numeric_limits<double>::infinity();
     for (const RareRow& of : result.rows) {
       const double upper = requirement.per_hour ? log_per_hour(run->configuration, of.log_upper) : of.log_upper;
-      if (!of.problem.empty() && !(upper <= std::log(requirement.probability))) problem = "; there: " + of.problem;
+      if (!of.problem.empty() && !(upper <= std::log(requirement.probability)))
+        problem = ", or realizations more; there: " + of.problem;
       most = std::isnan(upper) ? 1e3 : std::max(most, upper);
     }
     tried(value, std::exp(most));

@@ -52,7 +52,7 @@ std::vector<SweepAxis> read_axes(const YAML::Node& node, Section section) {
     for (std::size_t i = 0; value.IsSequence() && i < value.size(); ++i) axis.list.push_back(value[i]);
     if (axis.size() == 0) {
       section.reject(name, value.IsScalar() ? printable(shortened(value.Scalar())) : "no value",
-                     "a list of values, or FROM:TO:COUNT");
+                     "a list of values, or FROM:TO:COUNT with FROM <= TO and COUNT from 1");
     }
     axes.push_back(axis);
   }

@@ -154,10 +154,10 @@ TEST(SweepFile, IsRejectedIfItIsTooLarge) {
 TEST(SweepFile, NamesAllErrorsAtOnce) {
   EXPECT_EQ(
       rejection("vary: {headway: 4:2:3, output: [a], delay: []}\ncombine: all\nshard: 3\nkeep: {who: all}\n"),
-      "6 errors:\n  vary/headway: 4:2:3: must be a list of values, or FROM:TO:COUNT\n"
+      "6 errors:\n  vary/headway: 4:2:3: must be a list of values, or FROM:TO:COUNT with FROM <= TO and COUNT from 1\n"
       "  vary/output: given: must be headway, headway_seconds, noise_variance, loss, mean_burst, delay, leader, followers, steps, "
       "seed, realizations, or a key of the model file, as channel/delay\n"
-      "  vary/delay: no value: must be a list of values, or FROM:TO:COUNT\n"
+      "  vary/delay: no value: must be a list of values, or FROM:TO:COUNT with FROM <= TO and COUNT from 1\n"
       "  combine: all: must be grid or paired\n"
       "  keep/who: unknown key: allowed are followers, steps\n"
       "  shard: unknown key: allowed are batch, combine, delay, followers, headway, headway_seconds, keep, "
