@@ -51,6 +51,8 @@ class Estimations(RareTest):
             self.assertIn("rare DIR", tool("merge", *shards, output=self.path("other")).stderr)
             self.assertIn("holds a shard of a run", tool("rare", *shards, output=shards[0]).stderr)
             self.assertIn("holds results already", tool("rare", model=model, output=self.path(method + "_1"), shard="0/3", **options).stderr)
+            again = tool("monte_carlo", repeat=self.path(method + "_1", "rare.json"), output=self.path("again"))
+            self.assertIn("must be the summary.json of a run", again.stderr)
             self.assertIn("holds rare.csv: must be the results of a run", tool("check", self.path(method + "_1")).stdout)
 
     def test_ctrl_c_ends_it_also_in_the_pilot_run_and_its_folder_is_only_for_the_same_command(self):
