@@ -210,11 +210,22 @@ std::vector<std::complex<long double>> zeros(const ExactPolynomial& p, long doub
 std::vector<std::complex<long double>> zeros_behind_delay(const ExactPolynomial& a, std::size_t delay,
                                                           const ExactPolynomial& b) {
   const DeltaPolynomial first = rounded_delta(a), second = rounded_delta(b);
-  const std::vector<std::complex<double>> start =
-      roots(rounded(shifted_to_origin(add(times_power_of_z(a, static_cast<std::ptrdiff_t>(delay)), b))));
+  // In powers of z, where the delay only moves coefficients: in powers of s, the digits of 3^delay would cancel.
+  const auto ascending = [](const ExactPolynomial& p) {
+    const ExactPolynomial of_z = shifted_to_origin(p);
+    return ExactPolynomial(of_z.rbegin(), of_z.rend());
+  };
+  ExactPolynomial delayed = ascending(a);
+  delayed.insert(delayed.begin(), delay, Exact(0));
+  const ExactPolynomial expanded = add(std::move(delayed), ascending(b));
+  constexpr std::size_t kMostEigenvalues = 500;  // of a companion matrix: their time grows like the cube
   std::vector<Complex> s;
-  s.reserve(start.size());
-  for (const std::complex<double>& z : start) s.push_back(static_cast<Complex>(z) - 1.0L);
+  if (expanded.size() <= kMostEigenvalues) {
+    for (const std::complex<double>& z : roots(rounded(expanded).reverse())) s.emplace_back(z);
+  } else {
+    s = starts_of(rounded_delta(expanded));
+  }
+  for (Complex& z : s) z -= 1.0L;
   struct Value {
     Complex value = 0.0L, slope = 0.0L;
     long double size = 0.0L;  ///< sum of the moduli of the terms

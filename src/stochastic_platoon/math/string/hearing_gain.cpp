@@ -7,19 +7,29 @@
 #include <cmath>
 #include <complex>
 
+#include "stochastic_platoon/math/model/exact_transfer.hpp"
+#include "stochastic_platoon/math/numerics/delta_form.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 
 namespace platoon {
 
 HearingGain::HearingGain(const PlatoonModel& model)
-    : model_(model), reach_(farthest_ahead(model)), period_(type_order(model).size()) {
+    : model_(model), reach_(farthest_ahead(model)), period_(type_order(model).size()), slowest_(1.0) {
+  constexpr double kSlowest = 1e-11;  // of which double still knows a gain's distance from 1
   for (std::size_t p = 0; p < period_; ++p) {
     const std::size_t follower = first() + p;
-    loops_.emplace_back(vehicle(model, follower), follower, model.sample_period);
+    const VehicleModel& own = vehicle(model, follower);
+    loops_.emplace_back(own, follower, model.sample_period);
     losses_.emplace_back();
-    for (const Input& input : vehicle(model, follower).inputs)
+    slowest_ = std::min(slowest_, 1.0 / (1.0 + own.headway));
+    for (const std::complex<double>& w : frequencies_of(loops_.back().poles()))
+      slowest_ = std::min(slowest_, std::abs(w));
+    for (const Input& input : own.inputs) {
       losses_.back().emplace_back(input.link.loss.value_or(LossModel()));
+      if (input.link.loses()) slowest_ = std::min(slowest_, 1.0 / input.link.loss->mean_burst.value_or(1.0));
+    }
   }
+  slowest_ = std::max(slowest_, kSlowest);
 }
 
 // Over a pattern, of the companion matrices.
@@ -58,29 +68,56 @@ bool HearingGain::falls_apart() const {
   return (product(kLow).eigenvalues().cwiseAbs().array() > 1.0 - kRounding).count() > 1;
 }
 
-HearingGain::Peak HearingGain::peak() const {
+// Ascending: 800 frequencies a decade, but at least 8 in a turn of the longest delay.
+std::vector<double> HearingGain::grid() const {
   constexpr int kPoints = 4000;
+  constexpr double kLowest = 1e-5, kFarBelow = 1e-3;
+  const double pi = boost::math::double_constants::pi;
+  const auto at = [pi](int j) { return pi * std::exp(std::log(kLowest) * (1.0 - static_cast<double>(j) / kPoints)); };
+  const double low = std::min(at(0), kFarBelow * slowest_),
+               most = 0.25 * pi / static_cast<double>(std::max<std::int64_t>(longest_delay(model_), 1));
+  std::vector<double> frequencies{at(kPoints)};
+  for (int j = kPoints; frequencies.back() > low; --j) {
+    const double from = at(j), to = at(j - 1), parts = std::ceil((from - to) / most);
+    for (double part = 1.0; part < parts; ++part) frequencies.push_back(from + (to - from) * part / parts);
+    frequencies.push_back(to);
+  }
+  std::reverse(frequencies.begin(), frequencies.end());
+  return frequencies;
+}
+
+HearingGain::Peak HearingGain::peak() const {
   constexpr double kRounding = 1e-12;  // gains that differ by less are equal
   constexpr int kBits = 26;            // of the frequency of a maximum: no more are seen in the gain
-  const double pi = boost::math::double_constants::pi;
-  const auto at = [pi](int j) { return pi * std::exp(std::log(1e-5) * (1.0 - static_cast<double>(j) / kPoints)); };
+  const std::vector<double> at = grid();
   std::vector<double> gains;
-  for (int j = 0; j <= kPoints; ++j) {
+  for (const double w : at) {
     check_interruption();
-    gains.push_back((*this)(at(j)));
+    gains.push_back((*this)(w));
   }
-  Peak best{0.0, 0.0};
-  for (int j = 0; j <= kPoints; ++j) {
-    const auto n = static_cast<std::size_t>(j);
-    const double before = gains[j > 0 ? n - 1 : n], behind = gains[j < kPoints ? n + 1 : n];
-    best = gains[n] > best.gain ? Peak{gains[n], at(j)} : best;
-    const bool is_top = gains[n] >= before && gains[n] >= behind;
-    if (!is_top || gains[n] - std::min(before, behind) < kRounding) continue;
-    const auto found = boost::math::tools::brent_find_minima(
-        [this](double w) { return -(*this)(w); }, at(std::max(j - 1, 0)), at(std::min(j + 1, kPoints)), kBits);
+  const std::size_t last = at.size() - 1,
+                    top = static_cast<std::size_t>(std::max_element(gains.begin(), gains.end()) - gains.begin());
+  Peak best{gains[top], at[top]};
+  for (std::size_t n = 0; n <= last; ++n) {
+    const std::size_t left = n > 0 ? n - 1 : n, right = std::min(n + 1, last);
+    const double rise = gains[n] - std::min(gains[left], gains[right]);
+    const bool is_top = gains[n] >= gains[left] && gains[n] >= gains[right];
+    if (!is_top || rise < kRounding || gains[n] + rise < best.gain) continue;  // the maximum is within less than a rise
+    check_interruption();
+    const auto found =
+        boost::math::tools::brent_find_minima([this](double w) { return -(*this)(w); }, at[left], at[right], kBits);
     if (-found.second > best.gain) best = {-found.second, found.first};
   }
   return best;
+}
+
+std::int64_t longest_delay(const PlatoonModel& model) {
+  std::int64_t longest = 0;
+  for (const VehicleType& type : model.types) {
+    const std::int64_t of_plant = type.vehicle.design ? type.vehicle.design->plant.exact().delay : 0;
+    for (const Input& input : type.vehicle.inputs) longest = std::max(longest, of_plant + input.link.delay);
+  }
+  return longest;
 }
 
 }  // namespace platoon

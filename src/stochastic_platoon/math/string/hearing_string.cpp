@@ -49,7 +49,11 @@ double lateness(const VehicleModel& own, const Input& input, double speed, doubl
 
 // Accuracy of a spectral radius near w = 0, where it is 1 - alpha w^2 without inputs from the leader.
 constexpr double kDoubt = 1e-9;
-constexpr double kLowFrequency = 1e-3;  // [rad/sample] where it is compared with 1
+
+// Where it is compared with 1 [rad/sample]: not so low that its distance from 1 is rounding.
+double low_frequency(const HearingGain& gain) {
+  return std::clamp(gain.slowest(), 1e-5, 1e-3);
+}
 
 // On panels that shorten towards the poles of the vehicles and of the noise, and towards w = 0, where the spectra
 // narrow along the string.
@@ -91,11 +95,14 @@ std::vector<double> settled_hearing(const PlatoonModel& model,
                                     const std::function<std::vector<double>(const HearingSpectra&)>& values,
                                     const Settling& settling) {
   constexpr std::size_t kFewest = 512;
+  // Fewer than two nodes in a turn of a delay take it for a shorter one, at n / 2 and at n alike.
+  std::size_t fewest = kFewest;
+  while (fewest < 4 * static_cast<std::size_t>(longest_delay(model))) fewest *= 2;
   std::vector<double> coarse;
-  for (std::size_t n = kFewest;; n *= 2) {
+  for (std::size_t n = fewest;; n *= 2) {
     std::vector<double> fine = values(HearingSpectra(model, n));
     if (!coarse.empty() && settling.done(coarse, fine)) return fine;
-    if (n >= settling.most) break;
+    if (n >= std::max(settling.most, 2 * fewest)) break;
     coarse.swap(fine);
   }
   if (loses(model)) throw NarrowSpectra();  // what losses with memory scatter is known at equally spaced nodes
@@ -146,10 +153,10 @@ JudgedGain hearing_gain(const PlatoonModel& model) {
   const HearingGain gain(model);
   const HearingGain::Peak peak = gain.peak();
   if (peak.gain > 1.0 + kDoubt) return {Sign::kBelow, peak.gain - 1.0, peak.frequency};
-  constexpr double kLowest = 1e-7;  // the gain is g(0) + O(w^2), to 1e-10 also for cars sampled at a kilohertz
-  const double at_zero = (4.0 * gain(0.5 * kLowest) - gain(kLowest)) / 3.0;
+  const double lowest = std::min(1e-7, 1e-3 * gain.slowest());  // the gain is g(0) + O(w^2)
+  const double at_zero = (4.0 * gain(0.5 * lowest) - gain(lowest)) / 3.0, low = low_frequency(gain);
   const double excess = std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0;
-  JudgedGain judged{1.0 - gain(kLowFrequency) > kDoubt * kLowFrequency ? Sign::kAbove : Sign::kZero,
+  JudgedGain judged{1.0 - gain(low) > kDoubt * low ? Sign::kAbove : Sign::kZero,
                     std::abs(excess) < kDoubt ? 0.0 : excess, at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
   judged.falls_apart = gain.falls_apart();
   return judged;
@@ -158,14 +165,14 @@ JudgedGain hearing_gain(const PlatoonModel& model) {
 StringEnd hearing_limit(const PlatoonModel& model) try {
   const std::size_t period = type_order(model).size();
   StringEnd limit;
-  limit.variances = settled_hearing(model, [&model, period](const HearingSpectra& spectra) {
+  limit.variances = settled_hearing(model, [&](const HearingSpectra& spectra) {
     StringEnd found = hearing_limit(spectra, period, loses(model));
-    found.variances.push_back(found.loss_gain);
+    limit.loss_gain = found.loss_gain;
+    found.variances.push_back(1.0 + found.loss_gain);  // a gain of 1e-15 has no digits that could settle
     return found.variances;
   });
   const auto is_finite = [](double value) { return std::isfinite(value); };
   if (!std::all_of(limit.variances.begin(), limit.variances.end(), is_finite)) throw NarrowSpectra();
-  limit.loss_gain = limit.variances.back();
   limit.variances.pop_back();
   return limit;
 } catch (const NarrowSpectra&) {
@@ -177,8 +184,8 @@ double hearing_gain_margin(const PlatoonModel& model) {
   if (!(radius < 1.0)) return 1.0 - radius;
   const HearingGain gain(model);
   if (gain.falls_apart()) return -1.0;
-  const double beyond = gain.peak().gain - 1.0 - kDoubt;
-  return beyond > 0.0 ? -beyond : (1.0 - gain(kLowFrequency)) / kLowFrequency - kDoubt;
+  const double beyond = gain.peak().gain - 1.0 - kDoubt, low = low_frequency(gain);
+  return beyond > 0.0 ? -beyond : (1.0 - gain(low)) / low - kDoubt;
 }
 
 double hearing_loss_margin(const PlatoonModel& model) {

@@ -32,6 +32,24 @@ void expect_zeros(std::vector<double> expected, long double accuracy) {
   }
 }
 
+// |a(s) (1 + s)^delay + b(s)| at its zeros, relative to the sum of the moduli of its terms.
+TEST(Zeros, BehindALongDelayAreZeros) {
+  const ExactPolynomial a{Exact("0.01"), Exact("0.25"), Exact(1)}, b{Exact("0.011"), Exact("0.3")};
+  for (const std::size_t delay : {0u, 7u, 190u, 300u, 700u}) {
+    const std::vector<std::complex<long double>> found = zeros_behind_delay(a, delay, b);
+    ASSERT_EQ(found.size(), delay + 2);
+    std::complex<long double> sum = 0.0L;
+    for (const std::complex<long double>& s : found) {
+      const std::complex<long double> first = (s * s + 0.25L * s + 0.01L) * std::pow(1.0L + s, static_cast<int>(delay)),
+                                      second = 0.3L * s + 0.011L;
+      EXPECT_LT(std::abs(first + second), 1e-12L * (std::abs(first) + std::abs(second))) << delay;
+      sum += 1.0L + s;
+    }
+    // z^2 - 1.75 z + 0.76 times z^delay, and 0.3 z - 0.289: no zero is found twice in place of another.
+    EXPECT_NEAR(static_cast<double>(std::abs(sum - (delay == 0 ? 1.45L : 1.75L))), 0.0, 1e-9) << delay;
+  }
+}
+
 TEST(Zeros, AreAccurateEachWhateverTheirScales) {
   expect_zeros({-3e13, -0.5, -0.9}, 1e-15L);
   expect_zeros({-1e-3, 1e-9, -2.0, 3e13, -0.25, -1e-3 - 1e-9}, 1e-15L);
