@@ -39,6 +39,10 @@ class Killed(BagTest):
         self.assertGreater(self.completed(terminal)["attempts"], 1)
         self.assert_whole(self.bag, 3, 20, 20)
         self.assertEqual(self.csv_of(self.bag), live_platoon.statistics(self.output))
+        replayed = self.path("replayed")
+        text = self.replayed(self.bag, output=replayed)  # of two attempts, of which the monitor takes the second one where the first ends
+        self.assertNotIn("out of turn", text)
+        self.assertEqual(live_platoon.statistics(replayed), live_platoon.statistics(self.output))
 
     def test_kill_9_of_recorder_and_monitor_at_once_costs_no_message(self):
         terminal = self.launch(record=self.bag, hosting="one_process", **self.SETTINGS)

@@ -112,6 +112,9 @@ bool Player::may_publish(const Position& message) {
 }
 
 bool Player::is_within_window(const Position& message) const {
+  // The monitor takes a newer attempt only where it has committed all batches before it.
+  const bool begins_attempt = message.attempt + attempts_ahead_ > last_attempt_;
+  if (begins_attempt && !schedule_.endless() && message.first_realization > committed_) return false;
   return steps_covered(schedule_, 0, id_of(message)) <= std::max(acknowledged_, granted_) + window_;
 }
 
