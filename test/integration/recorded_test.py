@@ -7,7 +7,6 @@ import csv
 import json
 import math
 import os
-import subprocess
 import unittest
 
 import numpy as np
@@ -20,6 +19,7 @@ from nav_msgs.msg import Odometry
 import link_reference
 import live_platoon
 from terminal import LaunchTest
+from user_tools_test import script
 
 FOLLOWERS, STEPS, REALIZATIONS = 3, 400, 500
 SETTINGS = dict(followers=FOLLOWERS, steps=STEPS, realizations=REALIZATIONS)
@@ -73,6 +73,7 @@ class Recorded(LaunchTest):
         again = self.recorded_drive(bag_file, table, "--topic", "/gps")
         self.assertNotEqual(again.returncode, 0, "the table is not overwritten")
         self.assertIn("File exists", again.stderr)
+        self.assertIn("recorded_drive: --output: {}: ".format(table), again.stderr)
         folder = self.monte_carlo("car", leader=table, followers=2, realizations=10)
         np.testing.assert_allclose(self.leader_of(folder), 0.5 * (0.1 * np.arange(121)) ** 2, atol=1e-6)
 
@@ -90,8 +91,25 @@ class Recorded(LaunchTest):
         with open(self.path("drive.csv")) as file:
             self.assertEqual(file.read(), "time,speed\n0,0\n0.5,5\n1,10\n")
 
-    def recorded_drive(self, bag, table, *options):
-        return subprocess.run([live_platoon.shared("src", "tools", "recorded_drive"), bag, "--output", table, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+    def test_a_full_disk_leaves_no_table(self):
+        bag, table = self.gps_bag([0.1 * k for k in range(8000)]), self.path("drive.csv")
+        done = self.recorded_drive(bag, table, largest=50000)  # the messages' own classes need files, too
+        self.assertEqual((done.returncode, done.stderr), (1, "recorded_drive: --output: {}: cannot be written: File too large\n".format(table)))
+        self.assertEqual(os.listdir(self.folder), ["gps.bag"])
+        self.assertEqual(self.recorded_drive(bag, table).returncode, 0)
+
+    def gps_bag(self, seconds):
+        """A bag of 0.5 m/s at these seconds after its first message."""
+        with rosbag.Bag(self.path("gps.bag"), "w") as bag:
+            for second in seconds:
+                message = TwistStamped()
+                message.header.stamp = rospy.Time(1700000000) + rospy.Duration(second)
+                message.twist.linear.x = 0.5
+                bag.write("/gps", message, message.header.stamp)
+        return self.path("gps.bag")
+
+    def recorded_drive(self, bag, table, *options, **limits):
+        return script("recorded_drive", bag, "--output", table, *options, **limits)
 
     def test_bad_tables_are_named(self):
         for text, reason in (("time,velocity\n0,1\n1,1\n", "no column speed: must be one of time, velocity"),

@@ -20,8 +20,8 @@ from reporting import page as report_page  # noqa: E402
 
 
 class Report(RunTest):
-    def report(self, *arguments, output="report.html"):
-        return script("report", *arguments, "--output", self.path(output))
+    def report(self, *arguments, output="report.html", **limits):
+        return script("report", *arguments, "--output", self.path(output), **limits)
 
     def page(self, *folders):
         done = self.report(*folders)
@@ -150,6 +150,13 @@ class Report(RunTest):
             done = self.report(self.run_folder, output=output)
             self.assertEqual(done.returncode, 1)
             self.assertIn(reason, done.stderr)
+
+    def test_a_full_disk_leaves_no_page(self):
+        before = os.listdir(self.folder)
+        done = self.report(self.run_folder, largest=50000)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("report.html: cannot be written: File too large", done.stderr)
+        self.assertEqual(os.listdir(self.folder), before)
 
     @unittest.skipUnless(shutil.which("chromium"), "needs chromium")
     def test_a_pdf_is_printed(self):

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-"""What tune reports: fronts, binding constraints, sensitivities and kinks, and faults of its input."""
+"""What tune reports and saves: fronts, binding constraints, sensitivities and kinks, and faults of its input."""
 
 import math
+import os
+import resource
 import subprocess
 import tempfile
 import unittest
@@ -11,7 +13,9 @@ import numpy as np
 import stochastic_platoon as sp
 from stochastic_platoon import tuning
 
+from folder import FolderTest
 from tune_test import TUNE, tuned
+from user_tools_test import limit_files
 
 ACC = sp.Model.load("acc.yaml")
 BOX = {"controller/kp": [0.05, 3.0], "controller/kd": [0.1, 4.0]}
@@ -51,6 +55,20 @@ class Fronts(unittest.TestCase):
         self.assertEqual(rows[0], ["delay_margin", "limit_variance", *BOX])
         for row, point in zip(rows[1:], result.front):
             self.assertEqual(row, ["{:.6g}".format(value) for value in (point["against"], point["over"], *point["variables"].values())])
+
+
+class Saved(FolderTest):
+    def test_a_full_disk_leaves_neither_file_so_that_the_folder_can_be_used_again(self):
+        result = sp.Tuning(ACC, "limit_variance", {}, 1.0, {}, [], {}, {}, None, "its time is 0 s", 1)
+        result.front = [{"over": 1.0, "against": 2.0, "variables": {}}] * 1000  # the second file is the larger one
+        self.addCleanup(limit_files, resource.getrlimit(resource.RLIMIT_FSIZE)[0])
+        limit_files(20000)
+        with self.assertRaisesRegex(OSError, "tune.json: cannot be written: File too large"):
+            result.save(self.folder)
+        self.assertEqual(os.listdir(self.folder), [])
+        result.front = []
+        result.save(self.folder)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["model.yaml", "tune.json"])
 
 
 class Binding(unittest.TestCase):

@@ -1,17 +1,20 @@
 #!/usr/bin/python3
-"""check and export: the programs that judge and pass on the results of a run."""
+"""check and export: the programs that judge and pass on the results of a run. The files of the programs in Python."""
 
 import csv
 import json
 import os
 import pathlib
+import resource
 import shutil
 import subprocess
 import unittest
+import unittest.mock
 import zlib
 
 import numpy as np
 import stochastic_platoon as sp
+from stochastic_platoon.files import write_all
 
 import live_platoon
 from folder import FolderTest, temporary_folder
@@ -20,10 +23,15 @@ from recording import DATA, BagTest
 SMALL = os.path.join(DATA, "small.bag")
 
 
-def script(name, *arguments):
-    """The finished process of a program in Python."""
+def limit_files(size):
+    """Writes beyond this size [bytes] fail like those to a full disk."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+
+
+def script(name, *arguments, largest=resource.RLIM_INFINITY):
+    """The finished process of a program in Python, which can write no file above the size `largest` [bytes]."""
     return subprocess.run([live_platoon.shared("src", "tools", name), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, timeout=4 * live_platoon.DEADLINE)
+                          universal_newlines=True, timeout=4 * live_platoon.DEADLINE, preexec_fn=lambda: limit_files(largest))
 
 
 def sign(folder, summary=None):
@@ -240,8 +248,8 @@ class ExportedRun(BagTest):
 
 
 class Export(FolderTest):
-    def export(self, *arguments, output="out"):
-        return script("export", SMALL, "--output", self.path(output), *arguments)
+    def export(self, *arguments, output="out", **limits):
+        return script("export", SMALL, "--output", self.path(output), *arguments, **limits)
 
     def rows(self, output="out"):
         with open(self.path(output, "trajectories.csv")) as stream:
@@ -264,6 +272,12 @@ class Export(FolderTest):
         self.assertEqual(len(self.rows()), 6 * 3 * 6)
         self.assertEqual(os.listdir(self.path("out")), ["trajectories.csv"])
 
+    def test_a_full_disk_leaves_no_file(self):
+        done = self.export(largest=5000)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("trajectories.csv: cannot be written: File too large", done.stderr)
+        self.assertEqual(os.listdir(self.path("out")), [])
+
     def test_a_damaged_bag_is_rejected_and_leaves_no_file(self):
         content = bytearray(pathlib.Path(SMALL).read_bytes())
         content[len(content) // 2] ^= 1
@@ -272,6 +286,32 @@ class Export(FolderTest):
         self.assertEqual(done.returncode, 1)
         self.assertIn("damaged.bag", done.stderr)
         self.assertFalse(os.path.exists(self.path("out", "trajectories.csv")))
+
+
+class WriteAll(FolderTest):
+    def test_a_full_disk_leaves_none_of_the_files(self):
+        self.addCleanup(limit_files, resource.getrlimit(resource.RLIMIT_FSIZE)[0])
+        limit_files(5000)
+        for content in (bytes(5001), [bytes(2501)] * 2):
+            with self.assertRaisesRegex(OSError, "^{}: cannot be written: File too large$".format(self.path("large"))):
+                write_all({self.path("small"): b"1", self.path("large"): content, self.path("last"): b"2"})
+            self.assertEqual(os.listdir(self.folder), [])
+
+    def test_no_file_is_written_if_one_exists(self):
+        os.symlink("nowhere", self.path("link"))
+        self.write("file", "before")
+        for name in ("link", "file"):
+            with self.assertRaisesRegex(FileExistsError, "^{}: cannot be written: File exists$".format(self.path(name))):
+                write_all({self.path("new"): b"1", self.path(name): b"2"})
+        self.assertEqual(sorted(os.listdir(self.folder)), ["file", "link"])
+        self.assertEqual(pathlib.Path(self.path("file")).read_text(), "before")
+
+    def test_a_file_system_may_have_no_links(self):
+        with unittest.mock.patch("os.link", side_effect=PermissionError(1, "Operation not permitted")):
+            write_all({self.path("file"): b"1"})
+            self.assertRaises(FileExistsError, write_all, {self.path("file"): b"2"})
+        self.assertEqual(os.listdir(self.folder), ["file"])
+        self.assertEqual(pathlib.Path(self.path("file")).read_bytes(), b"1")
 
 
 if __name__ == "__main__":

@@ -161,7 +161,7 @@ class Errors(PlotTest):
         good, bad = self.path("a.png"), self.path("b" * 300)  # a name too long for the file system
         self.write("before", "a.png")
         with self.assertRaisesRegex(OSError, "cannot be written"):
-            plot.files.write_all({good: b"after", bad: b"after"})
+            plot.files.write_all({good: b"after", bad: b"after"}, replace=True)
         self.assertEqual(self.read("a.png"), b"before")
         self.assertEqual(os.listdir(self.folder), ["a.png"])
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 import numpy as np
 
 from .bounds import MAXIMA, MEAN, lower_bound
+from .files import write_all
 from .model import Model, PathLike
 from .simulation import monte_carlo, positive, run_settings
 from .tuning_input import axes_of, box_of, constraints_of, minimise_of, realizations_of, seconds_of
@@ -56,9 +57,8 @@ class Tuning:
         for name in ("model.yaml", "tune.json"):
             if os.path.lexists(os.path.join(folder, name)):
                 raise FileExistsError("{}: has a {} already".format(folder, name))
-        for name, document in (("model.yaml", self.model.to_dict()), ("tune.json", self.to_dict())):
-            with open(os.path.join(folder, name), "x") as file:
-                file.write(json.dumps(document, indent=1) + "\n")
+        write_all({os.path.join(folder, name): (json.dumps(document, indent=1) + "\n").encode()
+                   for name, document in (("model.yaml", self.model.to_dict()), ("tune.json", self.to_dict()))})
 
     @property
     def report(self) -> str:

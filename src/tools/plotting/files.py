@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import os
 import warnings
-from typing import Dict, List, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 from matplotlib.figure import Figure
+from stochastic_platoon.files import write_all
 
 from plotting import style
 
@@ -55,22 +56,5 @@ def save(figure: Figure, stem: str, kinds: Sequence[str] = KINDS) -> List[str]:
     contents = {}
     for kind in kinds:
         contents[stem + "." + kind] = content(figure, kind)
-    write_all(contents)
+    write_all(contents, replace=True)
     return list(contents)
-
-
-def write_all(contents: Dict[str, bytes]) -> None:
-    """Writes all files under temporary names, then renames them."""
-    temporary = {path: "{}.{}.tmp".format(path, os.getpid()) for path in contents}
-    try:
-        for path, content in contents.items():
-            with open(temporary[path], "wb") as file:
-                file.write(content)
-        for path in contents:
-            os.replace(temporary[path], path)
-    except OSError as error:
-        raise OSError("{}: cannot be written: {}".format(path, error.strerror)) from None
-    finally:
-        for name in temporary.values():
-            if os.path.exists(name):
-                os.remove(name)

@@ -7,6 +7,8 @@ import shutil
 import subprocess
 import tempfile
 
+from stochastic_platoon.files import write_all
+
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 PATIENCE = 120.0  # [s] for the browser
 
@@ -35,8 +37,7 @@ def require_writable(output: str) -> None:
 def write(text: str, output: str) -> None:
     """Writes the page. Raises OSError, also if another file of this name exists by now."""
     if output.endswith(".html"):
-        with open(output, "x", encoding="utf-8") as file:
-            file.write(text)
+        write_all({output: text.encode()})
         return
     with tempfile.TemporaryDirectory() as folder:
         source, printed = os.path.join(folder, "report.html"), os.path.join(folder, "report.pdf")
@@ -50,5 +51,5 @@ def write(text: str, output: str) -> None:
             raise OSError("{}: the browser has printed nothing for {:g} s".format(output, PATIENCE)) from None
         if not os.path.exists(printed):
             raise OSError("{}: the browser printed no PDF: {}".format(output, done.stdout.strip().splitlines()[-1:]))
-        with open(printed, "rb") as content, open(output, "xb") as file:
-            shutil.copyfileobj(content, file)
+        with open(printed, "rb") as page:
+            write_all({output: page.read()})
