@@ -98,6 +98,16 @@ class Recorded(LaunchTest):
         self.assertEqual(os.listdir(self.folder), ["gps.bag"])
         self.assertEqual(self.recorded_drive(bag, table).returncode, 0)
 
+    def test_a_gap_that_a_leader_cannot_drive_over_is_rejected(self):
+        table = self.path("drive.csv")
+        done = self.recorded_drive(self.gps_bag([0.0, 0.5, 3.5, 4.0]), table)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("/gps, message 3: stamp: 1700000003.5 s, 3 s after that of the message before, at 0.5 s of the drive: must be at most "
+                      "1 s after it", done.stderr)
+        self.assertFalse(os.path.exists(table))
+        self.assertEqual(self.recorded_drive(self.gps_bag([0.0, 1.0, 1.5, 2.5]), table).returncode, 0)
+        self.monte_carlo("driven", leader=table, followers=1, realizations=1)
+
     def gps_bag(self, seconds):
         """A bag of 0.5 m/s at these seconds after its first message."""
         with rosbag.Bag(self.path("gps.bag"), "w") as bag:
