@@ -275,6 +275,11 @@ class Recordings(ModuleTest):
         self.assertRaises(IndexError, recording.positions, 1000)
         for read, vehicle in ((recording.inputs, 1), (recording.predecessor_inputs, 1), (recording.predecessor_positions, 0)):
             self.assertRaises(IndexError, read, vehicle)
+        for first, count, reason in ((-1, 1, "first: -1: must be from 0 to 5"), (6, 1, "first: 6: must be from 0 to 5"),
+                                     (0, 7, "count: 7: must be from 1 to 6, as"), (4, 3, "count: 3: must be from 1 to 2, as"),
+                                     (5, 0, "count: 0: must be from 1 to 1, as"), (0, -1, "count: -1: must be from 1 to 6, as")):
+            self.assertRaisesText(IndexError, reason, list, recording.trajectories(first, count))
+        self.assertEqual([len(list(recording.trajectories(*chosen))) for chosen in ((), (3,), (0, 6), (4, 2))], [1, 1, 6, 2])
         with open(self.SMALL, "rb") as file:
             content = file.read()
         with open(self.path("cut.bag"), "wb") as file:

@@ -50,13 +50,15 @@ class Recording:
 
     def trajectories(self, first: int = 0, count: int = 1) -> Iterator[Trajectories]:
         """All vehicles in `count` realizations, from `first` on, with the quantities of trajectories.csv that follow from the recorded
-        positions. Raises IndexError for realizations that the recording does not have."""
+        positions. Raises IndexError if `count` is below 1, or if the recording does not have all of them."""
         model, run = self.model, self.configuration.run
         followers, total = run["followers"], run["realizations"]
         if not 0 <= first < total:
-            raise IndexError("realization: {}: must be from 0 to {}".format(first, total - 1))
+            raise IndexError("first: {}: must be from 0 to {}".format(first, total - 1))
+        if not 1 <= count <= total - first:
+            raise IndexError("count: {}: must be from 1 to {}, as the recording has {} realizations".format(count, total - first, total))
         vehicles = [model.vehicle(i) for i in range(followers + 1)]
-        end = min(first + count, total)
+        end = first + count
         names = [("position", i) for i in range(followers + 1)] + [("received_position", i) for i in range(1, followers + 1)]
         streams = self._streams(names, first, end)
         positions, received = streams[:followers + 1], streams[followers + 1:]
