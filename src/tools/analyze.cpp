@@ -23,14 +23,21 @@ namespace {
 
 // Tables of an earlier analysis are replaced, and no other file.
 void require_replaceable(const std::string& option, const std::string& file) {
-  if (!std::filesystem::is_regular_file(file)) return;
-  const std::string content = platoon::read_file(file, platoon::kMostGivenBytes);
-  const nlohmann::json document = nlohmann::json::parse(content, nullptr, false);
-  const bool is_analysis =
-      document.is_object() && document.contains("age_of_information") && document.contains("rounding");
-  if (content.empty() || (option == "json" ? is_analysis : content.rfind("headway,", 0) == 0)) return;
-  throw platoon::ConfigurationError({option + ": " + file + ": exists and is no earlier " +
-                                     (option == "json" ? "analysis" : "map") + ": must be another file"});
+  std::error_code error;
+  const std::filesystem::file_type type = std::filesystem::status(file, error).type();
+  if (type == std::filesystem::file_type::not_found && !file.empty()) return;
+  if (type == std::filesystem::file_type::regular) {
+    const std::string content = platoon::read_file(file, platoon::kMostGivenBytes);
+    const nlohmann::json document = nlohmann::json::parse(content, nullptr, false);
+    const bool is_analysis =
+        document.is_object() && document.contains("age_of_information") && document.contains("rounding");
+    if (content.empty() || (option == "json" ? is_analysis : content.rfind("headway,", 0) == 0)) return;
+  }
+  const std::string reason = type == std::filesystem::file_type::none ? error.message()
+                             : option == "json"                       ? "exists and is no earlier analysis"
+                                                                      : "exists and is no earlier map";
+  throw platoon::ConfigurationError(
+      {option + ": " + (file.empty() ? "(empty)" : file + ": " + reason) + ": must be another file"});
 }
 
 // The values of an option FROM:TO:COUNT; none if it is not given.

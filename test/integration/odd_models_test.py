@@ -218,6 +218,10 @@ class OddModels(ModuleTest):
             printed = program("analyze", fails=True, followers=2, steps=5, **dict(sweep, **options))
             name, file = next(iter(options.items()))
             self.assertIn("{}: {}: exists and is no earlier {}: must be another file".format(name, file, "analysis" if name == "json" else "map"), printed)
+        os.symlink("loop", self.path("loop"))
+        for file, reason in (("", "(empty)"), (self.path("loop"), self.path("loop") + ": Too many levels of symbolic links"),
+                             ("a" * 300, "a" * 300 + ": File name too long"), (self.folder, self.folder + ": exists and is no earlier analysis")):
+            self.assertIn("json: {}: must be another file\n".format(reason), program("analyze", fails=True, json=file, followers=2, steps=5))
         sp.Model.load(model)
 
     def test_losses_next_to_a_half_have_a_critical_mean_burst(self):
