@@ -11,10 +11,15 @@ namespace platoon {
 
 namespace {
 
-constexpr char kUtf8[] = "UTF-8 without a zero byte";
+constexpr char kUtf8[] = "UTF-8 without a zero byte", kMapping[] = ": must be a mapping of keys";
 
 constexpr char kDecimalPoint[] = ", with a decimal point in place of the comma",
                kWholeWithPoint[] = "one number, with a decimal point in place of the comma";
+
+// A section may be read more than once.
+void add_once(std::vector<std::string>& problems, const std::string& problem) {
+  if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
+}
 
 std::string at_most(double most) {
   return formatted("at most %g in magnitude", most);
@@ -31,10 +36,7 @@ Section::Section(const YAML::Node& node, const std::string& path, std::vector<st
     : node_(node), path_(path), problems_(problems) {
   if (node_.IsNull() && !path.empty()) return;  // missing, and already reported
   if (node_.IsMap()) return;
-  const std::string problem =
-      (path.empty() ? "the document" : path) + ": " + shown(node) + ": must be a mapping of keys";
-  // A section may be read more than once.
-  if (std::find(problems_.begin(), problems_.end(), problem) == problems_.end()) problems_.push_back(problem);
+  add_once(problems_, (path.empty() ? "the document" : path) + ": " + shown(node) + kMapping);
 }
 
 bool Section::has(const std::string& key) {
@@ -195,7 +197,9 @@ bool Section::is_list(const std::string& key) {
 }
 
 Section Section::section(const std::string& key) {
-  return Section(require(key, "a mapping of keys"), name(key), problems_);
+  const YAML::Node node = has(key) ? node_[key] : YAML::Node();
+  if (node_.IsMap() && node.IsNull()) add_once(problems_, name(key) + ": missing" + kMapping);
+  return Section(node, name(key), problems_);
 }
 
 std::vector<Section> Section::sections(const std::string& key) {

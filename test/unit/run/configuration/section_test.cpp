@@ -150,6 +150,7 @@ TEST(Section, ReportsEveryMissingKey) {
     section.numbers("v");
     section.matrix("m");
     section.section("s").number("inner", kPositive);
+    section.section("s");  // reported once
     section.sections("l");
     section.number("nothing", kAnyFinite);
   });
