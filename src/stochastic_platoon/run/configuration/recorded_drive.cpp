@@ -8,7 +8,8 @@ namespace platoon {
 
 namespace {
 
-constexpr double kLongestGap = 1.0;  // [s]
+constexpr double kLongestGap = 1.0;    // [s]
+constexpr double kRoundedStamp = 1e-6;  // [s], of the time since 1970 as a double: rows at 1 Hz are no gaps
 constexpr double kLargestTime = 1e12, kLargestValue = 1e9;
 
 /// The column at one time after the first row.
@@ -38,7 +39,7 @@ std::vector<double> positions_of(const RecordedDrive& drive, double sample_perio
     const double passed = sample.second - before.second;
     if (!(passed > 0.0))
       table.fail_row(printable(drive.time) + formatted(": %.15g after %.15g: must ascend", time, last));
-    if (passed > kLongestGap)
+    if (passed > kLongestGap + kRoundedStamp)
       table.fail_row(formatted("%g s after the row before: must be at most %g s", passed, kLongestGap));
     while (time_of(values.size()) <= sample.second) {
       const double share = (time_of(values.size()) - before.second) / passed;

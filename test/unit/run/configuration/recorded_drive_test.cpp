@@ -53,6 +53,12 @@ TEST_F(RecordedDriveTest, MarkOfSpreadsheetsBeforeTheFirstNameDoesNotCount) {
             (std::vector<double>{0.0, 0.0, 0.25}));
 }
 
+// 16.1 - 15.1 and 1700000002.1 - 1700000001.1 are above 1 in double.
+TEST_F(RecordedDriveTest, RowsOfEachSecondAreNoGaps) {
+  EXPECT_EQ(positions_of(with("time,speed\n15.1,1\n16.1,1\n17.1,1\n"), 1.0).size(), 4u);
+  EXPECT_GE(positions_of(with("time,speed\n1700000001.1,1\n1700000002.1,1\n1700000003.1,1\n"), 0.5).size(), 4u);
+}
+
 TEST_F(RecordedDriveTest, PositionsBeginAtTheFirst) {
   RecordedDrive drive = with("time\tx\n0\t10\n1\t12\n");
   drive.value = "x";

@@ -35,8 +35,8 @@ plant: {actuator_lag: 0.3}
 controller: {kp: 0.02, kd: 0.8, headway_filter: true}
 time_headway: 4100)"));
   EXPECT_FALSE(slow.string_stable) << slow.reason;
-  EXPECT_NEAR(slow.peak_gain, 1.00316, 6e-6);
-  EXPECT_NEAR(slow.peak_frequency, 2.0e-5, 6e-7);
+  EXPECT_NEAR(slow.peak_gain, 1.0031824627, 1e-9);
+  EXPECT_NEAR(slow.peak_frequency, 1.90338e-5, 1e-9);
   // An excess of 1.7e-6 at 1.7e-5 rad/sample; the gain of the own acceleration does nothing.
   const std::string car = R"(
 sample_period: 0.001
@@ -55,8 +55,8 @@ TEST(HearingExtremes, LongDelaysAreJudgedWithinTheirTurns) {
   const StringStability late =
       string_stability(two_ahead(kTenthOfASecond + "37.8\ncontroller: {kp: 0.35, kd: 0.8}", "{delay: 2000}"));
   EXPECT_FALSE(late.string_stable) << late.reason;
-  EXPECT_NEAR(late.peak_gain, 1.0308, 6e-5);
-  EXPECT_NEAR(late.peak_frequency, 1.19243, 6e-6);
+  EXPECT_NEAR(late.peak_gain, 1.030771, 6e-7);
+  EXPECT_NEAR(late.peak_frequency, 1.192432, 2e-6);
 }
 
 TEST(HearingExtremes, DelaysOfAsManyStepsAsThereAreNodesAreNoShorterOnes) {
