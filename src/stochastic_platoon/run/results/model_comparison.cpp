@@ -160,7 +160,7 @@ void compare_with_model(const ResultTables& files, const Configuration& configur
   } else {
     compare_summary(written, expected, "theory", problems);
   }
-  if (!configuration.run.signals.empty() && configuration.run.has_amplification())
+  if (!result.signals.empty() && configuration.run.has_amplification())
     compare_table(files, "amplification", amplification_csv(configuration, prediction, result), problems);
   if (configuration.run.averaging() == Averaging::over_realizations)
     compare_table(files, "ages", ages_csv(configuration, result), problems);
