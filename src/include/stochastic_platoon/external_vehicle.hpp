@@ -43,6 +43,9 @@ struct VehicleSettings {
 /// std::runtime_error if the parameter is absent or not a configuration.
 VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t index);
 
+/// The same from the text of that parameter.
+VehicleSettings vehicle_settings_in(const std::string& configuration, std::size_t index);
+
 /// An external vehicle with any dynamics that keeps the vehicle contract (msg/README.md). Other packages link this
 /// class; it depends only on the messages of this package.
 ///

@@ -24,13 +24,23 @@ void require_follower(std::size_t index) {
   if (index < 1) throw std::invalid_argument("index: 0: must be the number of a follower, 1 or more");
 }
 
-// A key of follower i: that of its type, or the default vehicle's; null if neither has it.
-nlohmann::json value_of(const nlohmann::json& model, std::size_t follower, const char* key) {
-  nlohmann::json common = model.value(key, nlohmann::json());
-  if (!model.contains("string")) return common;
+// The keys of follower i's type; none for the default vehicle.
+nlohmann::json type_of(const nlohmann::json& model, std::size_t follower) {
+  if (!model.contains("string")) return nlohmann::json::object();
   const nlohmann::json& string = model.at("string");
   const std::string type = string.at((follower - 1) % string.size());
-  return type == "default" ? common : model.at("vehicle_types").at(type).value(key, common);
+  return type == "default" ? nlohmann::json::object() : model.at("vehicle_types").at(type);
+}
+
+// A key of follower i: that of its type, or the default vehicle's; null if neither has it.
+nlohmann::json value_of(const nlohmann::json& model, std::size_t follower, const char* key) {
+  return type_of(model, follower).value(key, model.value(key, nlohmann::json()));
+}
+
+// The channel beside the inputs of follower i. A type with inputs of its own does not inherit the default vehicle's.
+nlohmann::json channel_of(const nlohmann::json& model, std::size_t follower) {
+  const nlohmann::json type = type_of(model, follower);
+  return type.contains("inputs") ? type.value("channel", nlohmann::json()) : value_of(model, follower, "channel");
 }
 
 std::vector<VehicleInput> inputs_of(const nlohmann::json& model, std::size_t follower) {
@@ -52,7 +62,9 @@ std::vector<VehicleInput> inputs_of(const nlohmann::json& model, std::size_t fol
   return found;
 }
 
+// A type with constant spacing does not inherit the default vehicle's headway.
 double headway_of(const nlohmann::json& model, std::size_t follower) {
+  if (value_of(model, follower, "spacing") == "constant") return 0.0;
   const nlohmann::json headway = value_of(model, follower, "time_headway");
   return headway.is_null() ? 0.0 : headway.get<double>();
 }
@@ -99,7 +111,7 @@ std::vector<double> places_of(const nlohmann::json& model, std::size_t index, co
       continue;
     }
     const double spacing = distance + start.slope * headway_of(model, i);
-    const nlohmann::json inputs = value_of(model, i, "inputs"), channel = value_of(model, i, "channel");
+    const nlohmann::json inputs = value_of(model, i, "inputs"), channel = channel_of(model, i);
     const auto delay = [&](std::size_t n) {
       const nlohmann::json& own =
           inputs.is_array() && inputs[n].contains("channel") ? inputs[n].at("channel") : channel;
@@ -139,9 +151,18 @@ VehicleSettings vehicle_settings(const ros::NodeHandle& platoon, std::size_t ind
   const std::string parameter = platoon.resolveName("configuration");
   if (!platoon.getParam(parameter, text)) throw std::runtime_error(parameter + ": absent: no launch has set it");
   try {
-    return settings_of(nlohmann::json::parse(text).at("model"), index);
+    return vehicle_settings_in(text, index);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(parameter + ": " + error.what());
+  }
+}
+
+VehicleSettings vehicle_settings_in(const std::string& configuration, std::size_t index) {
+  require_follower(index);
+  try {
+    return settings_of(nlohmann::json::parse(configuration).at("model"), index);
   } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(parameter + ": is no configuration of a platoon: " + error.what());
+    throw std::runtime_error(std::string("is no configuration of a platoon: ") + error.what());
   }
 }
 
