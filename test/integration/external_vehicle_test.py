@@ -174,6 +174,12 @@ class Contract(ExternalTest):
         second = re.search(r"/platoon/vehicle_2/position: dropped a message that is out of turn: attempt (\d+), realizations from 200,", said)
         self.assertEqual(summary["attempts"], int(second.group(1)) + 4)
 
+    def test_the_run_goes_on_after_a_message_of_an_attempt_that_the_leader_could_not_follow(self):
+        self.start(os.path.join(HERE, "broken_follower.py"), "2:last_attempt")
+        terminal = self.run_to_the_end(followers=3, external=2, steps=20, realizations=300, batch=100, stall_timeout=0.5)
+        self.assertRegex(terminal.text(), r"/platoon/vehicle_2/position: dropped a message that is out of turn: attempt 4294967295, ")
+        self.assertEqual(live_platoon.completed_summary(self.output)["positions_lost"], 0)
+
     def test_a_vehicle_that_never_answers_is_named_once_however_often_the_leader_retries(self):
         self.start(os.path.join(HERE, "broken_follower.py"), "2:mute")
         terminal = self.launch(followers=3, external=2, steps=20, realizations=100, rate=100, stall_timeout=0.5)

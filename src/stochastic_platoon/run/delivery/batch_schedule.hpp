@@ -48,9 +48,10 @@ using Acknowledgement = MessageId;
 constexpr std::int64_t kInitialStep = -1;
 constexpr std::int64_t kNothingYet = -2;
 
-/// The largest valid attempt. The leader starts a few attempts per second at most, counting on from the largest
-/// reported one.
-constexpr std::uint32_t kLastAttempt = std::uint32_t{1} << 31;
+/// The largest valid attempt; receivers drop messages of a larger one. The leader starts a few attempts per second at
+/// most, counting on from the largest reported one: a report of this very attempt would leave it none. Hence far below
+/// the largest numbers of 31 and 32 bits, which a faulty vehicle may send.
+constexpr std::uint32_t kLastAttempt = std::uint32_t{1} << 30;
 
 /// Whether a run with this schedule has the reported step.
 inline bool may_be_reported(const BatchSchedule& schedule, const Acknowledgement& report) {

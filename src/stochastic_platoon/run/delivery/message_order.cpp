@@ -29,6 +29,7 @@ bool MessageOrder::has_missed(DropReason drop, const MessageId& id, std::int64_t
 
 DropReason MessageOrder::receive(const MessageDescriptor& descriptor) {
   const MessageId& id = descriptor.id;
+  if (id.attempt > kLastAttempt) return DropReason::out_of_turn;
   if (latest_ && id.attempt < latest_->attempt) return DropReason::stale;
   const bool new_attempt = !latest_ || id.attempt > latest_->attempt;
   if (new_attempt && id.step != kInitialStep) return DropReason::missed_start;

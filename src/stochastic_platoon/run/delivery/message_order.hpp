@@ -12,7 +12,7 @@ enum class DropReason {
   none,
   stale,         ///< belongs to an older attempt: expected after a restart, no fault
   missed_start,  ///< belongs to an attempt whose step -1 was missed: expected while links come up, no fault
-  out_of_turn,   ///< a gap, a duplicate, or a batch that is not due
+  out_of_turn,   ///< a gap, a duplicate, a batch that is not due, or an attempt beyond kLastAttempt
   wrong_size,    ///< not one position per realization of the batch
   not_finite,    ///< a NaN or an infinity
   foreign_run,   ///< belongs to another run

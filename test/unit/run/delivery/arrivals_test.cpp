@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -164,6 +165,20 @@ TEST_F(ArrivalsTest, RejectAnAttemptWhoseBatchesDoNotMeetTheCommittedOnes) {
 }
 
 // A receiver restarts in the middle of an attempt, and its links come up one after the other.
+// The leader could begin no attempt after it, and all of its messages would be stale.
+TEST_F(ArrivalsTest, RejectAnAttemptAfterWhichThereIsNone) {
+  receive_steps(1, 0, -1, 0);
+  for (const std::uint32_t attempt : {kLastAttempt + 1, std::numeric_limits<std::uint32_t>::max()}) {
+    EXPECT_EQ(receive(1, {attempt, 0, -1}), DropReason::out_of_turn);
+    EXPECT_EQ(receive(1, {attempt, 0, 1}), DropReason::out_of_turn);
+    expect_acknowledged({1, 0, 0});
+  }
+  receive_steps(2, 0);
+  expect_acknowledged({2, 8, kNothingYet});
+  EXPECT_EQ(receive(1, {kLastAttempt, 8, -1}), DropReason::none);
+  EXPECT_TRUE(may_be_reported(kSchedule, arrivals_.acknowledgement()));
+}
+
 TEST_F(ArrivalsTest, OfAStreamThatJoinsAnAttemptAtALaterBatchAreOutOfTurn) {
   start_from(8, 0);
   receive_steps_of(0, 3, 8);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <set>
 #include <string>
 
@@ -81,6 +82,21 @@ TEST(MessageOrder, ReportsAnOlderAttemptAsStale) {
   MessageOrder order = after(3, 0, 1);
   for (const std::int64_t step : {-1, 0, 2}) EXPECT_EQ(receive(order, {2, 0, step}), DropReason::stale);
   EXPECT_EQ(receive(order, {3, 0, 2}), DropReason::none);
+}
+
+TEST(MessageOrder, RejectsAnAttemptBeyondTheLast) {
+  for (const std::uint32_t attempt :
+       {kLastAttempt + 1, std::uint32_t{1} << 31, std::numeric_limits<std::uint32_t>::max()}) {
+    MessageOrder order = after(3, 0, 1);
+    for (const std::int64_t step : {-1, 2}) {
+      EXPECT_EQ(receive(order, {attempt, 0, step}), DropReason::out_of_turn);
+      EXPECT_FALSE(order.has_missed(DropReason::out_of_turn, {attempt, 0, step}, 0)) << "no such message";
+    }
+    EXPECT_EQ(receive(order, {3, 0, 2}), DropReason::none);
+    EXPECT_EQ(receive(order, {4, 0, -1}), DropReason::none);
+  }
+  MessageOrder order = after(kLastAttempt, 0, 2);
+  EXPECT_EQ(receive(order, {kLastAttempt, 8, -1}), DropReason::none);
 }
 
 TEST(MessageOrder, RejectsAWrongBatchSizeAndAcceptsTheRightOneAfterIt) {
