@@ -54,7 +54,8 @@ std::string launch_of_check() {
 platoon::Configuration run_of(const Arguments& arguments, const std::string& name) {
   std::map<std::string, std::string> settings = arguments.settings;
   settings["followers"] = std::to_string(arguments.vehicle);
-  settings["steps"] = arguments.vehicle > 100000 ? "20" : "200";
+  // A run has 20 million vehicle-steps at most.
+  settings["steps"] = std::to_string(arguments.vehicle > 100000 ? platoon::VehicleCheck::kFewestSteps : 200);
   settings["realizations"] = "1001";
   settings["batch"] = "1000";
   settings["launch_id"] = name;

@@ -92,12 +92,14 @@ class Example(ExternalTest):
         self.assert_equal_within_rounding()
 
     def test_the_built_in_vehicle_keeps_it(self):
-        follower = self.start(live_platoon.executable("follower"), "_index:=2", "__ns:=/platoon", "__name:=vehicle_2")
-        self.assert_keeps_the_contract(2)
-        # Unlike SIGTERM, SIGINT lets it unregister. Otherwise the master would keep its address, which a vehicle_2 of another
-        # master may then use.
-        follower.send_signal(signal.SIGINT)
-        follower.wait()
+        for index in (2, 1000000):  # the last has runs of few steps
+            name = "vehicle_{}".format(index)
+            follower = self.start(live_platoon.executable("follower"), "_index:={}".format(index), "__ns:=/platoon", "__name:=" + name)
+            self.assert_keeps_the_contract(index)
+            # Unlike SIGTERM, SIGINT lets it unregister. Otherwise the master would keep its address, which a vehicle_2 of another
+            # master may then use.
+            follower.send_signal(signal.SIGINT)
+            follower.wait()
 
 
 class Contract(ExternalTest):

@@ -130,7 +130,7 @@ void VehicleCheck::check_attempts() {
 
 // A repeated batch must give the same answers up to the step at which its messages differ.
 void VehicleCheck::check_repetition() {
-  constexpr std::int64_t kUntil = 20;
+  constexpr std::int64_t kUntil = kFewestSteps - 1;
   const auto answers_with = [this](double shift) {
     begin_batch(sent_.attempt + 1, 0);
     go_on_to(kUntil - 1);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@ namespace platoon {
 /// with other standstill distances and headways.
 class VehicleCheck : SimulatedPredecessor {
 public:
+  /// The runs must have so many steps, or more.
+  static constexpr std::int64_t kFewestSteps = 20;
+
   /// Called with each clause as soon as it is known to hold.
   using Holds = std::function<void(Clause)>;
 
