@@ -107,14 +107,12 @@ void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
   platoon::VehicleCheck check(platoon, run_of(arguments, launch), run_of(arguments, launch + ", another run"), vehicle,
                               arguments.patience);
   const std::string name = platoon::vehicle_name(vehicle);
-  if (!check.wait_for_vehicle(0.5)) {
+  if (!check.wait_for_vehicle(platoon::kLinkTime + 0.5)) {
     std::printf("waiting for external %s: start its node\n", name.c_str());
     std::fflush(stdout);
     if (!check.wait_for_vehicle(arguments.wait)) {
       if (!ros::ok()) throw std::runtime_error("interrupted: no verdict");
-      throw std::runtime_error(name + " is not running: it must publish " +
-                               platoon.resolveName(platoon::position_topic(vehicle)) + " and subscribe to " +
-                               platoon.resolveName(platoon::predecessor_position_topic(vehicle)));
+      throw std::runtime_error(name + " is not running: it must " + check.missing_links());
     }
   }
   std::set<platoon::Clause> held;

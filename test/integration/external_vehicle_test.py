@@ -92,10 +92,11 @@ class Example(ExternalTest):
         self.assert_equal_within_rounding()
 
     def test_the_built_in_vehicle_keeps_it(self):
-        for index in (2, 1000000):  # the last has runs of few steps
+        # A million vehicles have runs of few steps. A vehicle that hears several subscribes to them once it knows the run.
+        for index, options in ((2, ()), (1000000, ()), (3, ("--model", live_platoon.shared("config", "path_cacc.yaml")))):
             name = "vehicle_{}".format(index)
             follower = self.start(live_platoon.executable("follower"), "_index:={}".format(index), "__ns:=/platoon", "__name:=" + name)
-            self.assert_keeps_the_contract(index)
+            self.assert_keeps_the_contract(index, *options)
             # Unlike SIGTERM, SIGINT lets it unregister. Otherwise the master would keep its address, which a vehicle_2 of another
             # master may then use.
             follower.send_signal(signal.SIGINT)
@@ -155,6 +156,8 @@ class Contract(ExternalTest):
         self.assertIn("vehicle_4 is not running: it must publish /platoon/vehicle_4/position and subscribe to "
                       "/platoon/vehicle_4/predecessor_position", self.check_vehicle(4, "--wait", "0.1").stdout)
         self.assertIn("waiting for external vehicle_4: start its node", self.check_vehicle(4, "--wait", "0.1").stdout)
+        radio = self.check_vehicle(4, "--wait", "0.1", "--model", live_platoon.shared("config", "cacc.yaml")).stdout
+        self.assertIn("subscribe to /platoon/vehicle_4/predecessor_position, /platoon/vehicle_4/predecessor_input", radio)
         for word in ("0", "three", "3.0"):
             done = self.check_vehicle(word)
             self.assertEqual(done.returncode, 1)

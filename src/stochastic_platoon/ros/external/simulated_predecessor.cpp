@@ -2,7 +2,6 @@
 
 #include <ros/callback_queue.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "stochastic_platoon/math/model/formation.hpp"
@@ -39,17 +38,21 @@ SimulatedPredecessor::SimulatedPredecessor(ros::NodeHandle platoon, const Platoo
 
 bool SimulatedPredecessor::wait_for_vehicle(double seconds) {
   const double end = now() + seconds;
+  if (!began_) began_ = now();
   while (ros::ok() && now() < end) {
-    if (is_connected()) return true;
+    if (is_linked(position_, sent_inputs_, now() - *began_)) return true;
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
   }
   return false;
 }
 
-bool SimulatedPredecessor::is_connected() const {
-  return position_.getNumPublishers() > 0 &&
-         std::all_of(sent_inputs_.begin(), sent_inputs_.end(),
-                     [](const Sent& sent) { return sent.publisher.getNumSubscribers() > 0; });
+std::string SimulatedPredecessor::missing_links() const {
+  std::string links = position_.getNumPublishers() > 0 ? "" : "publish " + position_.getTopic(), inputs;
+  for (const Sent& sent : sent_inputs_) {
+    if (sent.publisher.getNumSubscribers() == 0) inputs += (inputs.empty() ? "" : ", ") + sent.publisher.getTopic();
+  }
+  if (!inputs.empty()) links += (links.empty() ? "" : " and ") + ("subscribe to " + inputs);
+  return links;
 }
 
 // Repeats the first step until it is answered, as a leader does while links come up.

@@ -35,8 +35,11 @@ public:
   /// `patience`: time limit for an answer [s]. All runs have the inputs of this vehicle's in `model`.
   SimulatedPredecessor(ros::NodeHandle platoon, const PlatoonModel& model, std::size_t vehicle, double patience);
 
-  /// Waits at most `seconds` [s] for the vehicle; returns whether it is connected.
+  /// Waits at most `seconds` [s] for the vehicle; returns whether it is_linked() since the first call.
   bool wait_for_vehicle(double seconds);
+
+  /// What the vehicle does not do: "publish /platoon/vehicle_3/position and subscribe to ..."; empty if nothing.
+  std::string missing_links() const;
 
 protected:
   void begin_run(const Configuration& configuration);
@@ -44,7 +47,6 @@ protected:
   void go_on_to(std::int64_t step);
   void send(const MessageId& id, std::uint64_t run, double shift = 0.0);
   void send_next(double shift = 0.0);
-  bool is_connected() const;
   double position_of(std::size_t source, std::int64_t step, std::uint64_t realization) const;
   void wait_for_answer(std::int64_t step);
   std::string here(std::int64_t step) const;
@@ -77,6 +79,7 @@ private:
   ros::Time start_;                      ///< stamp of the batch's step -1
   std::set<std::string> publishers_;
   std::deque<PositionEvent> received_;
+  std::optional<double> began_;  ///< [s] first wait for the vehicle
   /// An input of the vehicle.
   struct Sent {
     Input input;

@@ -25,6 +25,7 @@ public:
   VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next, std::size_t vehicle,
                double patience);
 
+  using SimulatedPredecessor::missing_links;
   using SimulatedPredecessor::wait_for_vehicle;
 
   /// The first breach of the contract, or none. Serves the global callback queue while it runs.

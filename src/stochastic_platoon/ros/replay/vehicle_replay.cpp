@@ -46,8 +46,6 @@ std::string its_clause(Clause clause) {
   return "; the vehicle is external: " + named(clause);
 }
 
-constexpr double kSilentWait = 1.0;  // [s] for all links; then one is enough, or the wait is logged
-
 bool is_of(const MessageId& id, const Position& message) {
   return std::tie(id.attempt, id.first_realization, id.step) ==
          std::tie(message.attempt, message.first_realization, message.step);
@@ -110,15 +108,11 @@ void VehicleReplay::play() {
   send_allowed();
 }
 
-// A kept follower subscribes to some of its inputs only when a message has shown it the run.
 bool VehicleReplay::is_linked() {
   if (!began_) began_ = now();
-  const bool all_in_time = now() - *began_ < kSilentWait;
-  const auto is_heard = [](const Sent& sent) { return sent.publisher.getNumSubscribers() > 0; };
-  const bool linked =
-      position_.getNumPublishers() > 0 && (all_in_time ? std::all_of(sent_.begin(), sent_.end(), is_heard)
-                                                       : std::any_of(sent_.begin(), sent_.end(), is_heard));
-  if (!linked && !waiting_ && !all_in_time) {
+  const double waited = now() - *began_;
+  const bool linked = platoon::is_linked(position_, sent_, waited);
+  if (!linked && !waiting_ && waited >= kLinkTime) {
     ROS_INFO_STREAM("waiting for " << (external_ ? "external " : "") << name_ << (external_ ? ": start its node" : "")
                                    << formatted(" (the replay ends after %g s)", patience_));
     waiting_ = true;
