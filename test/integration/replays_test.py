@@ -165,11 +165,17 @@ class Replays(FolderTest):
         self.assertEqual(ended(text), "right", text)
 
     def test_a_vehicle_that_does_not_answer_ends_the_replay_with_the_reason(self):
-        text = self.followers.replay(self.bag, [os.path.join(HERE, "broken_follower.py"), "2:answer"], patience=4)
-        self.assertRegex(text, r"no verdict: vehicle_2 has not answered step 5 of the realizations from 0 within 4 s, in \d+ attempts; its last message "
-                         "was dropped, as out of turn; clause 6 of")
+        for fault, dropped in (("answer", "out of turn; clause 6 of"), ("size", "of a wrong batch size; clause 3 of"), ("finite", "not finite; clause 4 of")):
+            text = self.followers.replay(self.bag, [os.path.join(HERE, "broken_follower.py"), "2:" + fault], patience=4)
+            self.assertRegex(text, r"no verdict: vehicle_2 has not answered step 5 of the realizations from 0 within 4 s, in \d+ attempts; its last "
+                             "message was dropped, as " + dropped)
         text = self.followers.replay(self.bag, [os.path.join(HERE, "slow_accept.py"), "2", "3600"], patience=4)
         self.assertRegex(text, r"no verdict: vehicle_2 has not answered step -1 of the realizations from 0 within 4 s, in \d+ attempts; clause 2 of")
+
+    def test_a_repeated_answer_is_dropped_and_the_replay_goes_on(self):
+        text = self.followers.replay(self.bag, [os.path.join(HERE, "broken_follower.py"), "2:twice"], patience=4)
+        self.assertIn("/platoon/vehicle_2/position: dropped a message that is out of turn: ", text)
+        self.assertRegex(text, r"vehicle_2: \d+ messages as in the recording, positions at most \d\S* m apart")
 
     def test_a_vehicle_that_is_not_there_ends_the_replay_with_the_reason(self):
         text = self.followers.replay(self.bag, None, patience=3)

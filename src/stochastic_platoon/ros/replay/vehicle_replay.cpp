@@ -167,13 +167,25 @@ void VehicleReplay::receive(const PositionEvent& event) {
   if (publisher_.admits(event.getConnectionHeaderPtr(), live.run)) judge(live);
 }
 
-// An answer after the one that is due shows that the latter is lost. The attempt may grow between recorded batches.
+// Why an answer does not count; none if it is due. A built-in vehicle of another size, or with a NaN, differs.
+DropReason VehicleReplay::fault_of(const Position& live) const {
+  if (live.attempt < expected_id().attempt) return DropReason::stale;
+  if (!is_of(expected_id(), live)) return DropReason::out_of_turn;
+  if (external_ && live.position.size() != expected_->position.size()) return DropReason::wrong_size;
+  return external_ && !all_finite(live.position) ? DropReason::not_finite : DropReason::none;
+}
+
+// A fault at the answer that is due, or after it, shows that the latter is lost. The attempt may grow between recorded
+// batches.
 void VehicleReplay::judge(const Position& live) {
   const MessageId id = id_of(live), due = expected_id();
   const auto place = [](const MessageId& of) { return std::tie(of.attempt, of.first_realization, of.step); };
-  if (id.attempt < due.attempt) return drop(DropReason::stale, live);
-  if (place(id) > place(due)) {
-    drop(DropReason::out_of_turn, live);
+  const DropReason fault = fault_of(live);
+  if (fault != DropReason::none) {
+    const std::optional<DropReason> breach = counter_.latest_breach();
+    const bool due_dropped = breach == DropReason::wrong_size || breach == DropReason::not_finite;
+    if (!due_dropped || fault != DropReason::out_of_turn) drop(fault, live);  // else the fault is the one before
+    if (place(id) < place(due)) return;
     if (credit_.give_up(now())) begin_again();
     return send_allowed();
   }
@@ -232,19 +244,18 @@ std::string VehicleReplay::silence() const {
 }
 
 void VehicleReplay::compare(const Position& live, const Position& recorded) {
-  const bool same_message = is_of(expected_id(), live) && live.position.size() == recorded.position.size();
+  const bool same_size = live.position.size() == recorded.position.size();
   const std::size_t bytes = recorded.position.size() * sizeof(double);
-  if (same_message && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
-  if (same_message && external_) {
+  if (same_size && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
+  if (same_size && external_) {
     for (std::size_t r = 0; r < recorded.position.size(); ++r) {
-      const double apart = std::abs(live.position[r] - recorded.position[r]);
-      if (apart > largest_ || std::isnan(apart)) largest_ = apart;  // a NaN stays
+      largest_ = std::max(largest_, std::abs(live.position[r] - recorded.position[r]));
     }
     return;
   }
   difference_ = formatted("step %lld of the realizations from %llu", static_cast<long long>(recorded.step),
                           static_cast<unsigned long long>(recorded.first_realization));
-  for (std::size_t r = 0; same_message && r < recorded.position.size(); ++r) {
+  for (std::size_t r = 0; same_size && r < recorded.position.size(); ++r) {
     if (live.position[r] == recorded.position[r]) continue;
     difference_ +=
         formatted(": realization %zu is at %.17g m, was at %.17g m", r, live.position[r], recorded.position[r]);

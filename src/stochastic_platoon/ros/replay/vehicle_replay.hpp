@@ -21,9 +21,9 @@ namespace platoon {
 /// Sends the recorded values of all its inputs to one live follower and compares its answers with the recorded ones,
 /// bit by bit; for an external vehicle it measures their largest distance. The messages are those of the present run.
 ///
-/// If an answer is missing, the replay repeats its batch under a newer attempt, as the leader does (see ReplayCredit):
-/// a link may be up at one end only, and a vehicle may be killed. The replay ends with a verdict or, after `patience`
-/// without a new answer, with the reason why there is none.
+/// If an answer is missing, or one of an external vehicle has another size or a NaN, the replay repeats its batch under
+/// a newer attempt, as the leader does (see ReplayCredit): a link may be up at one end only, and a vehicle may be
+/// killed. The replay ends with a verdict or, after `patience` without a new answer, with the reason why there is none.
 ///
 /// Subscribes: `vehicle_<i>/position` (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages
 /// that the vehicle has missed). Publishes: received_topic() of all its inputs, `vehicle_<i>/predecessor_position` of
@@ -53,6 +53,7 @@ private:
   void check_patience();
   void receive(const PositionEvent& event);
   void receive_notice(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
+  DropReason fault_of(const stochastic_platoon::Position& live) const;
   void judge(const stochastic_platoon::Position& live);
   void drop(DropReason reason, const stochastic_platoon::Position& live);
   void compare(const stochastic_platoon::Position& live, const stochastic_platoon::Position& recorded);
