@@ -173,7 +173,10 @@ class Changes(Orders):
         for bad, words in ((dict(headway=0), "time_headway: 0: must be a finite number > 0"),
                            (dict(headway="inf"), "time_headway: inf: must be a finite number > 0"),
                            (dict(headway="fast"), "time_headway: fast: must be a finite number > 0"),
+                           (dict(headway=float("nan")), "time_headway: nan: must be a finite number > 0"),
+                           (dict(loss=float("-inf")), "channel/loss/probability: -inf: must be a number from 0 to below 1"),
                            (dict(headway=[2.4]), "headway: must be a number"),
+                           (dict(headway=2.4, loss=""), "loss: empty: must be a number"),
                            (dict(hedway=2.4), "hedway: unknown key: allowed are headway, noise_variance, loss"),
                            (dict(noise_variance=-1), "noise_variance: -1: must be a finite number >= 0"),
                            (dict(loss=1.0), "channel/loss/probability: 1.0: must be a number from 0 to below 1")):

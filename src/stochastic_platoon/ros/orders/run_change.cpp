@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <set>
 #include <utility>
@@ -38,13 +39,18 @@ std::string renamed(std::string stem, std::uint64_t from, std::uint64_t to, cons
   return stem + suffix_of(to) + extension;
 }
 
-// A number as text from which the parser restores the same bits; a text unchanged.
+// A number as text from which the parser restores the same bits; a text unchanged. JSON has no NaN and no infinity.
 std::string text_of(const std::string& key, const XmlRpc::XmlRpcValue& value) {
   using Value = XmlRpc::XmlRpcValue;
   if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
-  if (value.getType() == Value::TypeDouble) return nlohmann::json(static_cast<double>(value)).dump();
-  if (value.getType() == Value::TypeString) return static_cast<std::string>(value);
-  throw ConfigurationError({key + ": must be a number"});
+  if (value.getType() == Value::TypeDouble) {
+    const double number = static_cast<double>(value);
+    return std::isfinite(number) ? nlohmann::json(number).dump() : formatted("%g", number);
+  }
+  const bool is_text = value.getType() == Value::TypeString;
+  const std::string text = is_text ? static_cast<std::string>(value) : "";
+  if (text.empty()) throw ConfigurationError({key + (is_text ? ": empty" : "") + ": must be a number"});
+  return text;
 }
 
 // The settings in the parameter change_run, which this call removes. Throws ConfigurationError.
