@@ -6,10 +6,11 @@ import subprocess
 import sys
 import unittest
 
+import numpy as np
 import stochastic_platoon as sp
 
 sys.dont_write_bytecode = True
-from plot_files import HEADING, PlotTest, TOOLS, plot  # noqa: E402
+from plot_files import COUNT, HEADING, PlotTest, TOOLS, plot  # noqa: E402
 
 
 class Errors(PlotTest):
@@ -111,6 +112,26 @@ class Errors(PlotTest):
         self.assert_rejects("string", self.make_analysis(), "--run", of_noise, saying=[of_noise, "another platoon", "stationary variance of follower 3 3.6"])
         self.assert_rejects("string", self.make_analysis(stationary_variance=[1.0]), "--run", run,
                             saying=[run, "3 followers", "has 1"])
+
+    def test_a_run_of_another_leader_or_standstill_distance_than_the_analysis(self):
+        gaps = "vehicle,count,smallest_gap,realization,step,collisions,below_safe_gap,theoretical_collision_bound,bin_1\n" \
+            + "".join("{},{},1,0,0,0,,,{}\n".format(i, COUNT, COUNT) for i in (1, 2, 3))
+        signals = "signal," + HEADING + "\n" + "".join("gap,{},{},9,2,1,{},1\n".format(i, k, 2 + k) for i in (1, 2, 3) for k in range(4))
+        run = self.make_run(tables={"gaps.csv": gaps, "signals.csv": signals}, configuration={"model": {}})
+        mean = 0.1 * np.arange(1.0, 4.0)[:, np.newaxis] * np.arange(6.0)
+        gap = np.tile(2.0 + np.arange(6.0), (3, 1))
+        for of_errors, of_gaps, words in ((mean, gap, None), (mean[:, :2], gap[:, :2], None), (mean + 1e-9, gap, None),
+                                          (2.0 * mean, gap, "mean error of follower 1 at step 1: 0.1 m instead of 0.2 m"),
+                                          (mean, gap + 6.0, "mean gap of follower 1 at step 0: 2 m instead of 8 m"),
+                                          (mean, gap + 6.0 * (mean > 0.8), "mean gap of follower 3 at step 3: 5 m instead of 11 m")):
+            analysis = self.make_analysis(mean=of_errors.tolist(), signals={"gap": {"mean": of_gaps.tolist()}},
+                                          collision={"probability": [0.1, 0.1, 0.1], "limit_probability": 0.1})
+            for arguments in (("gaps", run, "--analysis", analysis), ("norms", run, analysis)):
+                if words:
+                    self.assert_rejects(*arguments, saying=[run + ": is of another platoon than " + analysis, words])
+                else:
+                    self.assert_draws(*arguments)
+            self.assert_draws("string", analysis, "--run", run)  # which shows no means
 
     def test_an_analysis_that_lacks_a_key(self):
         for figure, key in (("gain", "gain_along_string.frequency"), ("norms", "norms.mean_l2")):

@@ -61,7 +61,7 @@ def draw(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis], titles: Se
         if not np.isfinite(run.gaps.smallest_gap).all():
             raise ValueError("{}: the smallest gap is not finite: no realization is complete".format(run.path))
     for run, analysis in zip(runs, analyses):
-        require_same_platoon(run, analysis, analysis.numbers("collision.probability").size)
+        require_same_platoon(run, analysis, analysis.numbers("collision.probability").size, with_means=True)
     columns = len(runs) + 1
     figure, axes = style.new_figure(1, columns, 5.7 * columns, 5.0)
     chances = axes[0, -1]

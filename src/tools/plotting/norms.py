@@ -45,7 +45,7 @@ def cases_of(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis]) -> Lis
             analyses[-1].path, len(runs), len(analyses)))
     of_runs, of_analyses = [case_of_run(run) for run in runs], [case_of_analysis(analysis) for analysis in analyses]
     for run, analysis, case in zip(runs, analyses, of_analyses):
-        require_same_platoon(run, analysis, case.followers)
+        require_same_platoon(run, analysis, case.followers, with_means=True)
     return [joined(one, other) for one, other in zip(of_runs, of_analyses)] or of_runs or of_analyses
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 import stochastic_platoon as sp
@@ -46,18 +46,33 @@ def drawable_errors(run: sp.Results) -> sp.Moments:
     return errors
 
 
-def require_same_platoon(run: sp.Results, analysis: sp.Analysis, followers: int) -> None:
-    """Raises ValueError unless run and analysis have the same string length, spectral radius and stationary variances, where both
-    have them."""
+def require_same_platoon(run: sp.Results, analysis: sp.Analysis, followers: int, with_means: bool = False) -> None:
+    """Raises ValueError unless run and analysis have the same string length, spectral radius and stationary variances, and with_means
+    the same means of errors and gaps at each step, which leader and standstill distance change; each where both have them."""
     if run.followers != followers:
         raise ValueError("{}: has {} followers, but {} has {}".format(run.path, run.followers, analysis.path, followers))
     radius = analysis.spectral_radius
     if abs(radius - run.spectral_radius) > 1e-6 * abs(radius):
         raise ValueError("{}: is of another platoon than {}: spectral radius {:.6g} instead of {:.6g}".format(
             run.path, analysis.path, run.spectral_radius, radius))
-    own, other = (np.array(of.get("stationary_variance", []), dtype=float) for of in (run.summary["theory"], analysis))
+    require_equal(run, analysis, "stationary variance of follower {}", "m^2", run.summary["theory"].get("stationary_variance", []),
+                  analysis.get("stationary_variance", []))
+    for what, key, moments in (("mean error", "mean", run.errors), ("mean gap", "signals.gap.mean", run.signals.get("gap"))):
+        theory = analysis.get(key)
+        if with_means and moments and isinstance(theory, np.ndarray) and theory.ndim == 2:
+            common = run.steps < theory.shape[1]
+            steps = run.steps[common].astype(int)
+            require_equal(run, analysis, what + " of follower {} at step {}:", "m", moments.theoretical_mean[:, common], theory[:, steps],
+                          1e-6, steps)
+
+
+def require_equal(run: sp.Results, analysis: sp.Analysis, what: str, unit: str, own: Any, other: Any, absolute: float = 0.0,
+                  steps: Optional[NDArray[np.int_]] = None) -> None:
+    """Raises ValueError if values that both have differ by more than rounding: per follower, or per follower and step."""
+    own, other = (np.array(values, dtype=float) for values in (own, other))
     known = np.isfinite(own) & np.isfinite(other) if own.shape == other.shape else np.zeros(0, bool)
-    if known.any() and not np.allclose(own[known], other[known], rtol=1e-6, atol=0.0):
-        first = int(np.argmax(known & ~np.isclose(own, other, rtol=1e-6, atol=0.0)))
-        raise ValueError("{}: is of another platoon than {}: stationary variance of follower {} {:.6g} m^2 instead of {:.6g} m^2".format(
-            run.path, analysis.path, first + 1, own[first], other[first]))
+    if known.any() and not np.allclose(own[known], other[known], rtol=1e-6, atol=absolute):
+        first = np.unravel_index(np.argmax(known & ~np.isclose(own, other, rtol=1e-6, atol=absolute)), own.shape)
+        where = [first[0] + 1] + ([] if steps is None else [steps[first[1]]])
+        raise ValueError("{}: is of another platoon than {}: {} {:.6g} {unit} instead of {:.6g} {unit}".format(
+            run.path, analysis.path, what.format(*where), own[first], other[first], unit=unit))
