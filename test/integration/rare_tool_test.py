@@ -225,7 +225,8 @@ class Estimations(RareTest):
             name = "at_{}".format(distance)
             self.estimate(name, self.model(standstill_distance=distance), followers=3, steps=60, realizations=500)
             folders.append(self.path(name))
-        for shown, panels in ((folders[:1], 1), (folders, 2)):
+        self.estimate("longer", self.model(standstill_distance=3.0), followers=3, steps=80, realizations=500)
+        for shown, panels in ((folders[:1], 1), (folders[:1] + [self.path("longer")], 1), (folders, 2)):
             done = subprocess.run([PLOT, "rare", *shown, "--output", self.path("plot_{}.svg".format(panels))], stdout=subprocess.PIPE,
                                   stderr=subprocess.PIPE, universal_newlines=True, env=dict(os.environ, MPLBACKEND="Agg"))
             self.assertEqual(done.returncode, 0, done.stderr)

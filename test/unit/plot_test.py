@@ -205,6 +205,31 @@ class Numbers(PlotTest):
         np.testing.assert_allclose(line.get_xdata(), [0.2, 0.3, 0.4])
         np.testing.assert_array_equal(line.get_ydata(), [np.nan, 5.0, 4.0])
 
+    def make_rare(self, name, distance, run=None, **changes):
+        """An estimation for two followers, each less likely by a factor of ten per metre."""
+        row = dict(dict.fromkeys(sp.Rare.FIGURES, 0.0), log10_probability=-distance, relative_error=0.1)
+        model = dict({"standstill_distance": distance, "time_headway": 3.2}, **changes.pop("model", {}))
+        run = dict({"followers": 2, "steps": 60, "seed": len(name), "output": name, "launch_id": name}, **(run or {}))
+        return sp.Rare(dict({"rows": 3 * [row], "below": 0.0, "burn_in": 0, "method": "condition", "samples": 500,
+                             "configuration": {"model": model, "run": run}}, **changes), name)
+
+    def test_estimations_of_other_events_are_not_on_one_line_over_the_standstill_distance(self):
+        near, far = self.make_rare("near", 2.0), self.make_rare("farther", 3.0, model={"safe_gap": 1.0})
+        for of_another in ({"below": 0.5}, {"burn_in": 20}, {"run": {"steps": 80}}, {"model": {"time_headway": 3.0}}):
+            figure = plot.rare.draw([near, self.make_rare("other", 3.0, **of_another)], [])
+            self.assertEqual(len(figure.axes), 1, of_another)
+            figure = plot.rare.draw([far, self.make_rare("other", 2.5, **of_another), near], [])
+            lines = [line.lines[0].get_xdata().tolist() for line in figure.axes[1].containers]
+            self.assertEqual(lines, 2 * [[2.0, 3.0]], of_another)
+            self.assertEqual(figure.axes[1].get_legend_handles_labels()[1], ["follower 2", "any follower"])
+
+    def test_several_lines_over_the_standstill_distance_have_the_names_of_their_estimations(self):
+        runs = [self.make_rare("{}_{}".format(steps, distance), distance, run={"steps": steps}) for distance in (2.0, 3.0) for steps in (80, 60)]
+        axes = plot.rare.draw(runs, []).axes[1]
+        self.assertEqual(axes.get_legend_handles_labels()[1], ["follower 2: 80_2.0, 80_3.0", "any follower: 80_2.0, 80_3.0",
+                                                               "follower 2: 60_2.0, 60_3.0", "any follower: 60_2.0, 60_3.0"])
+        self.assertEqual([line.lines[0].get_xdata().tolist() for line in axes.containers], 4 * [[2.0, 3.0]])
+
     def make_front(self, values, over="limit_variance", against="delay_margin"):
         points = [{"over": value, "against": 1.0 + k, "variables": {"controller/kp": 0.1 + k}} for k, value in enumerate(values)]
         return self.write(json.dumps({"pareto": {"over": over, "against": against, "points": points}}), "tune.json")
