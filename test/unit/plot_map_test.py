@@ -6,6 +6,7 @@ import unittest
 
 import numpy as np
 import stochastic_platoon as sp
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 sys.dont_write_bytecode = True
 from plot_files import PlotTest, plot  # noqa: E402
@@ -54,6 +55,26 @@ class Maps(PlotTest):
             path = self.make_map(radius=lambda headway, gain: 0.6, **given)
             legend = plot.stability_map.draw(sp.StabilityMap.load(path)).axes[0].get_legend()
             self.assertEqual([text.get_text() for text in legend.get_texts()], labels)
+
+    def test_the_legend_of_a_map_lies_in_the_figure_and_leaves_its_width_to_the_axes(self):
+        rows = ["headway,gain,loss,mean_burst,spectral_radius,peak_gain,loss_gain,string_stable"]
+        for loss in (0.1, 0.4, 0.6, 0.7):
+            for burst in (1.0, 1.5, 2.0, 4.0):
+                of_stable = "0.5,,,0" if loss * burst > 1.5 else "0.5,1,{},{}".format(loss * burst, int(loss * burst < 1))
+                cells = ",,," if burst < loss / (1.0 - loss) else "1.1,9,,0" if loss == 0.7 else of_stable
+                rows.append("3.2,1.35,{},{},{}".format(loss, burst, cells))
+        losses = self.write("\n".join(rows) + "\n", "bursts.csv")
+        self.addCleanup(plot.style.apply)
+        for path, entries in ((self.make_map(radius=lambda headway, gain: 1.1 if gain > 2.0 else 0.6), 3), (losses, 4)):
+            for width in (None, 88.0, 135.0):
+                plot.style.apply(width)
+                figure = plot.stability_map.draw(sp.StabilityMap.load(path))
+                FigureCanvasAgg(figure).draw()
+                legend, axes = figure.axes[0].get_legend(), figure.axes[0].get_position()
+                box = legend.get_window_extent()
+                self.assertEqual(len(legend.get_texts()), entries)
+                self.assertTrue(box.x0 >= 0.0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1, (width, box))
+                self.assertGreater(axes.width, 0.6, width)
 
     def test_the_border_of_the_map_keeps_its_ends_and_moves_less_than_a_cell(self):
         stairs = np.array([[k // 2 + k % 2, k // 2] for k in range(41)], dtype=float)

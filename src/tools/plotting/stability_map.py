@@ -27,6 +27,7 @@ HIGHEST_PEAK = 10.0  # higher peaks share the last colour
 HIGHEST_LOSS_GAIN = 2.0
 LABELS = {"headway": "time headway $h$ [sample periods]", "gain": "controller gain", "loss": "loss probability $q$",
           "mean_burst": "mean burst $b$ [steps]"}
+WIDTH = 6.4  # [inch]: two columns of the legend fit
 PEAK_TICKS = [1, 1.2, 1.5, 2, 3, 5, 10]
 
 
@@ -41,7 +42,7 @@ def draw(given: sp.StabilityMap) -> Figure:
     for name in ("spectral_radius", "peak_gain", "string_stable"):
         require_some(given.path, name, values[name])
     stability = replace(given, **values)
-    figure, axes = style.new_figure(1, 1, 6.4, 4.6)
+    figure, axes = style.new_figure(1, 1, WIDTH, 4.6)
     axes = axes[0, 0]
     axes.grid(False)
     if "headway" in (stability.over, stability.up):
@@ -67,8 +68,8 @@ def draw(given: sp.StabilityMap) -> Figure:
     axes.set_ylim(stability.ys[0], stability.ys[-1])
     axes.set_xlabel(LABELS[stability.over])
     axes.set_ylabel(LABELS[stability.up])
-    axes.legend(handles=entries, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, frameon=False, columnspacing=1.0, handlelength=1.5,
-                handletextpad=0.5)
+    axes.legend(handles=entries, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=1 if figure.get_figwidth() < WIDTH else 2,
+                frameon=False, columnspacing=1.0, handlelength=1.5, handletextpad=0.5)
     return figure
 
 
