@@ -51,7 +51,8 @@ def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
     if accelerated:
         acceleration = axes[0, 2]
         acceleration.set_xlim(-0.7, acceleration.get_xlim()[1])
-        acceleration.set_xticks([0] + [tick for tick in acceleration.get_xticks() if tick > 1])
+        # Without the tick 1 where its label would touch that of the leader.
+        acceleration.set_xticks([0] + [tick for tick in acceleration.get_xticks() if tick > 0.05 * max(run.followers for run in runs)])
         acceleration.set_xlabel("vehicle $i$, 0 the leader")
         style.legend_below(acceleration, handles=entries_of(ACCELERATIONS, tables))
     return figure

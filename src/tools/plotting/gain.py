@@ -16,6 +16,8 @@ from plotting.values import Array, drawable, drawable_numbers
 HIGHEST = 100.0  # top of the axis; a loop near instability has a higher peak
 MOST_TOGETHER = 3  # analyses in one panel; more get one each
 COLUMNS = 5
+PANEL = 2.25  # [inch] width of one of many panels
+TITLE_LINE = 28  # characters
 SHOWN = (0.01, 50.0)  # [rad/s], what cars do
 
 
@@ -68,9 +70,10 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
 
 def draw_each(analyses: Sequence[sp.Analysis], names: Sequence[str]) -> Figure:
     """A panel for each analysis, with its verdict."""
-    columns = min(COLUMNS, len(analyses))
+    room = COLUMNS if style.chosen_width is None else 1 if style.is_narrow() else int(style.chosen_width / PANEL)
+    columns = min(COLUMNS, len(analyses), room)
     rows = -(-len(analyses) // columns)
-    figure, axes = style.new_figure(rows, columns, 2.25 * columns, 2.0 * rows)
+    figure, axes = style.new_figure(rows, columns, PANEL * columns, 2.0 * rows)
     for unused in axes.flat[len(analyses):]:
         unused.remove()
     curves = [curve_of(analysis) for analysis in analyses]
@@ -81,7 +84,7 @@ def draw_each(analyses: Sequence[sp.Analysis], names: Sequence[str]) -> Figure:
         draw_limit(panel, 1.1 * top)
         panel.plot(frequency, gain, color=style.colour(0) if good else style.BOUND, linewidth=1.6)
         grows = ", peak {:.3f}".format(height) if not good and height > 1.0 else ""
-        panel.set_title("{}\n{}{}".format(name, style.verdict(analysis.string_stable), grows), fontsize=8.5,
+        panel.set_title("{}\n{}{}".format(style.wrapped(name, TITLE_LINE), style.verdict(analysis.string_stable), grows), fontsize=8.5,
                         color=style.INK if good else style.BOUND)
         panel.set_xscale("log")
         panel.set_xlim(SHOWN)
@@ -90,4 +93,5 @@ def draw_each(analyses: Sequence[sp.Analysis], names: Sequence[str]) -> Figure:
             panel.set_ylabel("gain along\nthe string")
         if at + columns >= len(analyses):
             panel.set_xlabel("frequency [rad/s]")
+            panel.tick_params(labelbottom=True)  # also above an unused panel
     return figure

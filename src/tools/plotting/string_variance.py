@@ -15,7 +15,6 @@ from plotting import style
 from plotting.values import LARGEST, Array, drawable, drawable_errors, drawable_numbers, require_same_platoon
 
 SETTLED = 0.01  # relative; if the theory of the last step differs more from the stationary variance, both are drawn
-ROOM_FOR_LEGEND = 1.8  # factor of a logarithmic axis for an entry
 
 
 class Case(NamedTuple):
@@ -51,10 +50,9 @@ def draw(analyses: Sequence[sp.Analysis], runs: Sequence[sp.Results], titles: Se
             legend += draw_measured(axes, shown.run, shown.stationary, name, style.colour(at), style.marker(at))
     if style.spread(np.concatenate([shown.stationary for shown in cases])) > style.WIDE_STRING:
         style.logarithmic(axes)
-        axes.set_ylim(top=ROOM_FOR_LEGEND ** len(legend) * axes.get_ylim()[1])
     style.follower_axis(axes, max(shown.stationary.size for shown in cases))
     axes.set_ylabel("variance of $\\zeta_i$ [m$^2$]")
-    axes.legend(handles=legend)
+    style.place_legend(axes, legend, 2 if swept else 1)
     return figure
 
 
@@ -65,8 +63,8 @@ def draw_limits(axes: Axes, cases: Sequence[Case], names: Sequence[str]) -> None
             axes.plot(headways, drawable(limits), color=style.colour(at), linewidth=1.3, label=name)
     style.logarithmic(axes)
     axes.set_xlabel("time headway $h$ [s]")
-    axes.set_ylabel("limit of the variance along the string [m$^2$]")
-    axes.legend()
+    axes.set_ylabel("limit of the variance\nalong the string [m$^2$]")
+    style.legend_below(axes, ncol=1)
 
 
 def draw_theory(axes: Axes, shown: Case, name: str, colour: str) -> List[Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from typing import TYPE_CHECKING, Any, List, Optional, Protocol, Sequence, Tuple, Union
 
@@ -41,6 +42,9 @@ FOLLOWERS = LinearSegmentedColormap.from_list(
 MARKERS = "os^Dv<>"
 POINTS = {"markersize": 4.5, "elinewidth": 1.0, "capsize": 2.5}  # measurements with error bars
 LINE = 50  # characters per line of a column's title
+LETTERS = 12.0  # in a line of text per inch
+LEGEND_LINE = 0.16  # [inch]
+FORMULA = re.compile(r"(?<!\\)\$.*?(?<!\\)\$")
 MANY = 60  # a curve with more points than this gets no marker on each
 MOST_CURVES = 40  # longer strings show only some followers
 CURVES_OF_MANY = 16
@@ -107,8 +111,13 @@ def column_title(column: int, columns: int, text: str, longest: int = LINE) -> s
     text = "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
     if chosen_width is not None:
         longest = max(20, min(longest, int(15.0 * chosen_width / (1 if is_narrow() else columns))))
-    return "\n".join(line if "$" in line.replace("\\$", "") else textwrap.fill(line, longest)
-                     for line in text.split("\n"))
+    return "\n".join(wrapped(line, longest) for line in text.split("\n"))
+
+
+def wrapped(line: str, longest: int) -> str:
+    """The text in lines of at most `longest` characters, or longer ones where a formula is: it stays whole."""
+    marked, formulas = FORMULA.subn(lambda formula: formula.group().replace(" ", "\0"), line)
+    return textwrap.fill(marked, longest, break_long_words=not formulas, break_on_hyphens=not formulas).replace("\0", " ")
 
 
 def verdict(string_stable: Optional[bool]) -> str:
@@ -216,6 +225,16 @@ def legend_below(axes: Axes, **options: Any) -> None:
     """A legend below the axes, where it hides no data."""
     options.setdefault("ncol", 1 if is_narrow() else 2)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, frameon=False, columnspacing=1.6, **options)
+
+
+def place_legend(axes: Axes, legend: Sequence[Any], panels: int = 1) -> None:
+    """A legend below one of `panels` axes side by side, as long names leave no room in it; the figure grows by its lines."""
+    figure = axes.figure
+    letters = LETTERS * figure.get_figwidth() / (1 if is_narrow() else panels)
+    columns = 1 if is_narrow() or max(len(entry.get_label()) for entry in legend) > 0.45 * letters else 2
+    lines = sum(entry.get_label().count("\n") + 1 for entry in legend) / columns
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * lines)
+    legend_below(axes, handles=legend, ncol=columns)
 
 
 def mark_collisions(axes: Axes) -> None:

@@ -13,8 +13,6 @@ from matplotlib.figure import Figure
 from plotting import style
 from plotting.values import Array, drawable
 
-LETTERS = 12.0  # in a line of the legend per inch of the figure
-LEGEND_LINE = 0.16  # [inch]
 VERDICTS = ("not string stable", "string stable", "no verdict")
 
 
@@ -98,7 +96,7 @@ def draw(tails: Tails) -> Figure:
              "noise_variance": "noise variance $P_d$ [m$^2$]", "delay": "delay [steps]", "followers": "followers $N$"}
     axes.set_xlabel(names.get(tails.over, tails.over.replace("$", "\\$")))
     axes.set_ylabel("variance of the last $\\zeta_i$ [m$^2$]")
-    place_legend(axes, legend_of(tails.curves, int(LETTERS * figure.get_figwidth())))
+    style.place_legend(axes, legend_of(tails.curves, int(style.LETTERS * figure.get_figwidth())))
     return figure
 
 
@@ -146,12 +144,3 @@ def legend_of(curves: List[Curve], letters: int) -> List[Any]:
     found = set(np.concatenate([verdicts_of(curve) for curve in curves]))
     return legend + [style.legend_entry(marker="o", linestyle="", color=style.INK, markersize=4.5, markerfacecolor=face(verdict, style.INK),
                                         label=label) for verdict, label in enumerate(VERDICTS) if verdict in found]
-
-
-def place_legend(axes: Axes, legend: List[Any]) -> None:
-    """Below the axes, as long names of curves leave no room in them; the figure grows by its lines."""
-    figure = axes.figure
-    columns = 1 if style.is_narrow() or max(len(entry.get_label()) for entry in legend) > 0.45 * LETTERS * figure.get_figwidth() else 2
-    lines = sum(entry.get_label().count("\n") + 1 for entry in legend) / columns
-    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * lines)
-    style.legend_below(axes, handles=legend, ncol=columns)

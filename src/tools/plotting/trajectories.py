@@ -6,6 +6,7 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 import stochastic_platoon as sp
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
@@ -67,12 +68,13 @@ def draw(whole: sp.Trajectories, titles: Sequence[str], step: Optional[int] = No
         draw_panel(axis, seconds, drawable(realization[quantity]), shown, worst, colours)
         axis.axvline(seconds[at], color=style.GREY, linewidth=1.0, zorder=1)
         axis.set_ylabel(label)
+        axis.set_xlim(seconds[0], seconds[-1])
     for axis in axes[1]:
         axis.set_xlabel("time [s]")
-        axis.set_xlim(seconds[0], seconds[-1])
     mark_smallest_gap(axes[0, 0], seconds[at], gap[worst, at])
     few = "" if shown.size == vehicles else ", {} of {} vehicles drawn".format(shown.size, vehicles)
-    figure.suptitle("{}: {}{}".format(name, smallest_in_words(whole, realization), few), fontsize=9.5)
+    title = style.column_title(0, 1, "{}: {}{}".format(name, smallest_in_words(whole, realization), few), int(style.LETTERS * figure.get_figwidth()))
+    figure.suptitle(title, fontsize=rcParams["axes.titlesize"])
     if np.setdiff1d(shown, [0, worst - 1, worst]).size:
         style.add_colour_bar(figure, axes, colours, vehicles - 1)
     style.legend_below(axes[1, 0], handles=[
