@@ -8,7 +8,7 @@ namespace platoon {
 
 namespace {
 
-constexpr double kLongestGap = 1.0;    // [s]
+constexpr double kLongestGap = 1.0;     // [s]
 constexpr double kRoundedStamp = 1e-6;  // [s], of the time since 1970 as a double: rows at 1 Hz are no gaps
 constexpr double kLargestTime = 1e12, kLargestValue = 1e9;
 

@@ -93,8 +93,7 @@ Configuration recorded_configuration(nlohmann::json document) {
 
 RecordedResults read_summary(const std::string& file) {
   const nlohmann::json summary = parse_summary(read_file(file, kMostWrittenBytes), file);
-  if (!summary.contains("complete"))
-    throw std::invalid_argument(file + ": must be the summary.json of a run");
+  if (!summary.contains("complete")) throw std::invalid_argument(file + ": must be the summary.json of a run");
   if (!summary.contains("configuration"))
     throw std::invalid_argument(file + ": states no configuration: written by an older version");
   nlohmann::json checksums = summary.at("crc32");
