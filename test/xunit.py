@@ -15,6 +15,7 @@ import xml.etree.ElementTree as tree
 from contained import contained
 
 SKIPPED = 77
+QUICK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "integration", "quick")  # a faster rosversion
 
 
 def run(program):
@@ -42,6 +43,7 @@ def report(name, status, printed, seconds):
 
 def main(result, name, *program):
     os.makedirs(os.path.dirname(os.path.abspath(result)), exist_ok=True)
+    os.environ["PATH"] = QUICK + os.pathsep + os.environ["PATH"]
     began = time.monotonic()
     status, printed = run(program)
     report(name, status, printed, time.monotonic() - began).write(result, encoding="utf-8", xml_declaration=True)

@@ -10,9 +10,6 @@ import unittest
 import live_platoon
 from folder import FolderTest, temporary_folder
 
-# Each master runs rosversion twice for parameters that the tests do not need: two Python programs, a tenth of a short launch.
-QUICK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "quick")
-
 
 class Terminal:
     """One roslaunch of a shipped launch file with its output, on its own master unless one is given.
@@ -25,8 +22,7 @@ class Terminal:
         self.log = tempfile.NamedTemporaryFile("w+", dir=folder, suffix=".log", delete=False)
         environment = environment or dict(os.environ, ROS_HOSTNAME="localhost")
         environment = dict(environment, ROS_MASTER_URI=self.master, ROS_HOME=folder,
-                           PYTHONUNBUFFERED="1",  # otherwise roslaunch buffers its output
-                           PATH=QUICK + ":" + environment["PATH"])
+                           PYTHONUNBUFFERED="1")  # otherwise roslaunch buffers its output
         words = ["{}:={}".format(name, value) for name, value in arguments.items()]
         self.process = subprocess.Popen(list(inside) + ["roslaunch", "stochastic_platoon", file] + words,
                                         stdout=self.log, stderr=subprocess.STDOUT, env=environment)
