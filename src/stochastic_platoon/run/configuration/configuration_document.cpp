@@ -134,6 +134,19 @@ void resolve_traces(const std::string& folder, const YAML::Node& vehicle) {
   for (const YAML::Node& input : value_at(vehicle, "inputs")) of_link(input);
 }
 
+// Throws for a key of a vehicle type that the model does not have: no vehicle would be of the type that it makes.
+void require_type(const YAML::Node& model, const std::string& name) {
+  const std::string section = "vehicle_types/";
+  const std::size_t end = name.find('/', section.size());
+  if (name.rfind(section, 0) != 0 || end == std::string::npos) return;
+  const YAML::Node types = value_at(model, "vehicle_types");
+  if (has_key(types, name.substr(section.size(), end - section.size()))) return;
+  std::set<std::string> names;
+  for (const auto& type : types) names.insert(type.first.Scalar());
+  throw ConfigurationError({name + ": must be a key of one of the vehicle types: " +
+                            (names.empty() ? "the model has none" : boost::algorithm::join(names, ", "))});
+}
+
 // The document of a model and the given settings, with the defaults of the others.
 YAML::Node document_of(const YAML::Node& model, const std::map<std::string, std::string>& given) {
   YAML::Node document;
@@ -210,6 +223,7 @@ void override_value(YAML::Node& document, const std::string& name, const YAML::N
     if (put_model_key(setting, value, document["model"])) return;
     throw ConfigurationError({name + ": leads through a value of the model file that is not a mapping"});
   }
+  require_type(document["model"], name);
   if (put_at(name, value, document["model"])) return;
   throw ConfigurationError({name + ": must be a setting, or lead to a key of the model file"});
 }

@@ -7,6 +7,8 @@
 
 #include "stochastic_platoon/math/model/formation.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
+#include "unit/messages.hpp"
 #include "unit/paper_platoon.hpp"
 #include "unit/run/configuration/model_text.hpp"
 #include "unit/temporary_folder.hpp"
@@ -234,6 +236,20 @@ TEST(ParseYaml, GivesEachAliasAValueOfItsOwn) {
   EXPECT_EQ(document["model"]["e"].Scalar(), "3");
   EXPECT_EQ(YAML::Dump(document["model"]["a"]), "b:\n  - 7\n  - 2");
   EXPECT_EQ(document["model"]["d"].Scalar(), "8");
+}
+
+TEST(ParseYaml, ChangesNoKeyOfATypeThatIsMissing) {
+  const auto problem_of = [](const std::string& text, const char* name) {
+    YAML::Node document = parse_yaml(text, "model");
+    return message_of<ConfigurationError>([&] { override_value(document, name, YAML::Node(7)); });
+  };
+  const std::string types = "model: {vehicle_types: {truck: {}, car: {}}}", key = "vehicle_types/heavy/noise_variance";
+  EXPECT_EQ(problem_of(types, key.c_str()), key + ": must be a key of one of the vehicle types: car, truck");
+  EXPECT_EQ(problem_of("model: {}", key.c_str()),
+            key + ": must be a key of one of the vehicle types: the model has none");
+  YAML::Node document = parse_yaml(types, "model");
+  override_value(document, "vehicle_types/car/noise_variance", YAML::Node(7));
+  EXPECT_EQ(document["model"]["vehicle_types"]["car"]["noise_variance"].Scalar(), "7");
 }
 
 TEST(ParseYaml, RejectsAliasesWithoutEnd) {
