@@ -43,7 +43,7 @@ class ExportedRun(BagTest):
                                 ("jerk", 3), ("relative_speed", 1)):
                 found = np.array([float(row[name] or "nan") for row in own]).reshape(4, 21)
                 exact = name in ("position", "received_position")
-                known = slice(0, 20) if name == "received_position" else slice(0, 21)  # what arrives at the end moves nobody
+                known = slice(0, 20) if name == "received_position" else slice(0, 21)  # no car acts on what it receives at the last step
                 rounding = 0.0 if exact else 1e-12 / period ** order
                 np.testing.assert_allclose(found[:, known], of[name][:, known], rtol=0.0, atol=rounding, err_msg=name)
         return np.array([float(row["acceleration"]) for row in rows if row["step"] == "0"])

@@ -218,7 +218,7 @@ std::vector<std::complex<long double>> zeros_behind_delay(const ExactPolynomial&
   ExactPolynomial delayed = ascending(a);
   delayed.insert(delayed.begin(), delay, Exact(0));
   const ExactPolynomial expanded = add(std::move(delayed), ascending(b));
-  constexpr std::size_t kMostEigenvalues = 500;  // of a companion matrix: their time grows like the cube
+  constexpr std::size_t kMostEigenvalues = 500;  // the time for them grows like the cube of their number
   std::vector<Complex> s;
   if (expanded.size() <= kMostEigenvalues) {
     for (const std::complex<double>& z : roots(rounded(expanded).reverse())) s.emplace_back(z);

@@ -15,7 +15,7 @@ namespace platoon {
 
 HearingGain::HearingGain(const PlatoonModel& model)
     : model_(model), reach_(farthest_ahead(model)), period_(type_order(model).size()), slowest_(1.0) {
-  constexpr double kSlowest = 1e-11;  // of which double still knows a gain's distance from 1
+  constexpr double kSlowest = 1e-11;  // below it, rounding hides the distance of a gain from 1
   for (std::size_t p = 0; p < period_; ++p) {
     const std::size_t follower = first() + p;
     const VehicleModel& own = vehicle(model, follower);

@@ -95,9 +95,9 @@ std::vector<double> settled_hearing(const PlatoonModel& model,
                                     const std::function<std::vector<double>(const HearingSpectra&)>& values,
                                     const Settling& settling) {
   constexpr std::size_t kFewest = 512;
-  // Fewer than two nodes in a turn of a delay take it for a shorter one, at n / 2 and at n alike.
+  // With fewer than two nodes in each of its turns, a delay looks like a shorter one, with n / 2 nodes as with n.
   std::size_t fewest = kFewest;
-  while (fewest < 4 * static_cast<std::size_t>(longest_delay(model))) fewest *= 2;
+  for (const auto needed = 4 * static_cast<std::size_t>(longest_delay(model)); fewest < needed;) fewest *= 2;
   std::vector<double> coarse;
   for (std::size_t n = fewest;; n *= 2) {
     std::vector<double> fine = values(HearingSpectra(model, n));

@@ -35,7 +35,7 @@ void Snapshots::take(std::size_t stream, const stochastic_platoon::Position& mes
   const Locked lock(lock_);
   if (message.run != run_) {
     assembly_.clear();
-    complete_.reset();  // of the run before: it would carry the new one's name
+    complete_.reset();  // else the last one of the old run would be published as one of the new run
   }
   run_ = message.run;
   std::optional<Snapshot> complete = assembly_.take(stream, id_of(message), message.position.front(), present);

@@ -82,6 +82,11 @@ void compare_theory(const ResultTables& files, const Configuration& configuratio
   compare_theory(files, "signals", rows, problems);
 }
 
+std::string differing(const char* file, std::size_t row, const std::string& name, double written, double expected) {
+  return formatted("%s.csv: line %zu: %s: %.15g: must be %.15g, by the recorded model and run", file, row + 2,
+                   name.c_str(), written, expected);
+}
+
 // Appends a problem for the first row whose figure is not that of the recorded model.
 void compare_column(const ResultTables& files, const char* file, const std::string& name, const Column& expected,
                     std::vector<std::string>& problems) {
@@ -90,8 +95,7 @@ void compare_column(const ResultTables& files, const char* file, const std::stri
     return problems.push_back(formatted("%s.csv: %zu rows: must be %zu", file, written.size(), expected.size()));
   for (std::size_t r = 0; r < expected.size(); ++r) {
     if (is_same(written[r], expected[r], 0.0)) continue;
-    return problems.push_back(formatted("%s.csv: line %zu: %s: %.9g: must be %.9g, by the recorded model and run", file,
-                                        r + 2, name.c_str(), written[r], expected[r]));
+    return problems.push_back(differing(file, r, name, written[r], expected[r]));
   }
 }
 
@@ -130,18 +134,22 @@ void check_rows(const ResultTables& files, const Configuration& configuration, s
       {{"followers", summary.at("followers")}, {"steps", summary.at("steps")}, {"seed", summary.at("seed")}},
       {{"followers", run.followers}, {"steps", run.steps}, {"seed", run.seed}}, "", problems);
   if (run.averaging() == Averaging::over_time || !problems.empty()) return;
+  const auto steps = static_cast<std::size_t>(run.steps), of_kind = run.followers * steps;
+  const auto realizations = summary.at("realizations").get<double>();
   for (const char* table : {"statistics", "signals"}) {
     if (files.tables.count(table) == 0) continue;
-    const std::size_t kinds = table == std::string("signals") ? run.signals.size() : 1;
-    Column vehicles, steps;
-    for (std::size_t row = 0; row < kinds * run.followers * static_cast<std::size_t>(run.steps); ++row) {
-      const auto of_kind = static_cast<std::int64_t>(row % (run.followers * static_cast<std::size_t>(run.steps)));
-      vehicles.push_back(static_cast<double>(1 + of_kind / run.steps));
-      steps.push_back(static_cast<double>(of_kind % run.steps));
+    for (const char* name : {"vehicle", "step", "count"}) {
+      const Column& written = number_column(files, table, name);
+      for (std::size_t row = 0; row < written.size(); ++row) {
+        const std::size_t at = row % of_kind;
+        const double expected = name == std::string("count")  ? realizations
+                                : name == std::string("step") ? static_cast<double>(at % steps)
+                                                              : static_cast<double>(1 + at / steps);
+        if (written[row] == expected) continue;
+        problems.push_back(differing(table, row, name, written[row], expected));
+        break;
+      }
     }
-    compare_column(files, table, "vehicle", vehicles, problems);
-    compare_column(files, table, "step", steps, problems);
-    compare_column(files, table, "count", Column(vehicles.size(), summary.at("realizations").get<double>()), problems);
   }
 }
 

@@ -95,6 +95,13 @@ TEST_F(ResultCheckTest, AnotherTheoryOfASignalThanThatOfTheModelIsAProblem) {
   expect_problem(result(), formatted("signals.csv: line %zu: a theoretical mean of", cells + 7));
 }
 
+TEST_F(ResultCheckTest, ACountThatLacksOneOfMillionsIsAProblem) {
+  configuration_.run.realizations = 4000000;
+  RunResult other = result();
+  --other.moments[3].count;
+  expect_problem(other, "statistics.csv: line 5: count: 3999999: must be 4000000, by the recorded model and run");
+}
+
 TEST_F(ResultCheckTest, FiguresThatContradictEachOtherAreAProblem) {
   prediction_.contradictions = {"one is not the other"};
   expect_problem(result(), "contradict each other: one is not the other");
