@@ -15,7 +15,7 @@ from plot_gaps_test import GapTest  # noqa: E402
 LONG = "cars_and_trucks, the same cars without limits"
 
 
-class Room(PlotTest):
+class Boxes(unittest.TestCase):
     def boxes(self, figure, texts):
         """The rectangles of the texts in the drawn figure, within it and apart from each other."""
         FigureCanvasAgg(figure).draw()
@@ -25,6 +25,8 @@ class Room(PlotTest):
             self.assertFalse(any(box.overlaps(other) for other in boxes[:at]), texts[at])
         return boxes
 
+
+class Room(PlotTest, Boxes):
     def gains(self, count):
         return plot.gain.draw(count * [sp.Analysis.load(self.make_analysis())], [LONG] * count)
 
@@ -66,7 +68,7 @@ class Trajectories(GapTest):
     def test_the_title_of_a_narrow_figure_lies_in_it_and_its_panels_are_over_the_same_time(self):
         self.addCleanup(plot.style.apply)
         realization = sp.Trajectories.load(self.make_trajectories(steps=200))
-        for width in (None, 88.0):
+        for width in (None, 88.0, 135.0, 180.0):
             plot.style.apply(width)
             for titles, step in (([], None), (["the paper's example behind a long name, $h = 3.2$"], 150)):
                 figure = plot.trajectories.draw(realization, titles, step)
@@ -74,9 +76,22 @@ class Trajectories(GapTest):
                 box = figure._suptitle.get_window_extent()
                 self.assertTrue(box.x0 >= 0.0 and box.x1 <= figure.bbox.x1, (width, titles, box))
                 self.assertEqual(len({axes.get_xlim() for axes in figure.axes[:4]}), 1)
+                self.assertEqual({axes.yaxis.get_offset_text().get_text() for axes in figure.axes[:4]}, {""})
+                self.assertTrue(plot.files.content(figure, "svg"))  # with room for the panels
 
 
-class Amplification(AmplificationTest):
+class Amplification(AmplificationTest, Boxes):
+    def test_titles_and_labels_have_room_side_by_side(self):
+        self.addCleanup(plot.style.apply)
+        run = sp.Results.load(self.make_amplification())
+        for width in (None, 88.0, 135.0, 180.0):
+            plot.style.apply(width)
+            figure = plot.amplification.draw([run], [])
+            self.boxes(figure, [axes.title for axes in figure.axes])
+            self.boxes(figure, [axes.yaxis.label for axes in figure.axes])
+            self.boxes(figure, [axes.get_legend() for axes in figure.axes])
+            self.assertTrue(figure.axes[0].get_legend().get_texts()[0].get_text().count("\n"))  # a run has two lines
+
     def test_the_first_follower_has_a_number_where_the_leader_leaves_room(self):
         for followers, numbers in ((3, [0, 1, 2, 3]), (6, [0, 1, 2, 3, 4, 5, 6]), (100, [0, 20, 40, 60, 80, 100])):
             run = sp.Results.load(self.make_amplification(str(followers), followers=followers))

@@ -37,24 +37,24 @@ def draw(runs: Sequence[sp.Results], titles: Sequence[str]) -> Figure:
     ratio, tail = axes[0, :2]
     draw_ratios(ratio, tables, "ratio")
     draw_ratios(tail, tables, "head_to_tail")
-    ratio.set_title("(a) speed, ratio to the predecessor")
-    tail.set_title("(b) speed, ratio to the leader (head to tail)")
+    for column, text in enumerate(("speed, ratio to the predecessor", "speed, ratio to the leader (head to tail)")):
+        axes[0, column].set_title(style.column_title(column, 3, text))
     for axis in (ratio, tail):
         axis.axhline(1.0, color=style.GREY, linewidth=1.0, zorder=1)
-        axis.set_ylabel("ratio of norms about the average")
+        axis.set_ylabel("ratio of norms\nabout the average")
     if accelerated:
         draw_accelerations(axes[0, 2], tables)
     for axis in axes[0]:
         style.follower_axis(axis, max(run.followers for run in runs))
-    style.legend_below(ratio, handles=[entry_of_run(at, run, name) for at, (run, name) in enumerate(zip(runs, names))])
-    style.legend_below(tail, handles=entries_of(NORMS, tables), ncol=2)
+    legends = [[entry_of_run(at, run, name) for at, (run, name) in enumerate(zip(runs, names))], entries_of(NORMS, tables)]
     if accelerated:
         acceleration = axes[0, 2]
         acceleration.set_xlim(-0.7, acceleration.get_xlim()[1])
         # Without the tick 1 where its label would touch that of the leader.
         acceleration.set_xticks([0] + [tick for tick in acceleration.get_xticks() if tick > 0.05 * max(run.followers for run in runs)])
         acceleration.set_xlabel("vehicle $i$, 0 the leader")
-        style.legend_below(acceleration, handles=entries_of(ACCELERATIONS, tables))
+        legends.append(entries_of(ACCELERATIONS, tables))
+    style.legends_below(axes[0], legends)
     return figure
 
 

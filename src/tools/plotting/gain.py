@@ -64,7 +64,7 @@ def draw(analyses: Sequence[sp.Analysis], titles: Sequence[str]) -> Figure:
     axes.set_xlim(SHOWN[0], fastest)
     axes.set_xlabel("frequency [rad/s]")
     axes.set_ylabel("gain along the string")
-    style.legend_below(axes, ncol=1)  # a legend in the axes may lie on the words above
+    style.legends_below([axes])  # a legend in the axes may lie on the words above
     return figure
 
 

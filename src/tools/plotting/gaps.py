@@ -80,11 +80,11 @@ def draw(runs: Sequence[sp.Results], analyses: Sequence[sp.Analysis], titles: Se
     limit_probabilities(chances, min(DEEPEST / realizations_of(run.gaps) for run in runs))
     chances.set_title(style.column_title(columns - 1, columns, "probability of a collision{}\nmeasured with $\\pm${} standard errors".format(
         of_safe_gap, style.SHOWN_ERRORS)))
-    for axis, following in zip(axes[0], [*axes[0, 1:], None]):
+    for axis in axes[0]:
         style.follower_axis(axis, max(run.followers for run in runs))
-        # Panels below each other with the same entries share the legend below the last of them.
-        if not style.is_narrow() or following is None or labels_of(axis) != labels_of(following):
-            style.legend_below(axis)
+    # Panels below each other with the same entries share the legend below the last of them.
+    style.legends_below([axis for axis, following in zip(axes[0], [*axes[0, 1:], None])
+                         if not style.is_narrow() or following is None or labels_of(axis) != labels_of(following)])
     return figure
 
 

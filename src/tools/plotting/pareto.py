@@ -82,5 +82,5 @@ def draw(fronts: Sequence[Front], titles: Sequence[str] = ()) -> Figure:
         upper.legend()
     lower.set_xlabel(label(fronts[0].against_name))
     lower.set_ylabel("share of the largest value")
-    style.legend_below(lower)
+    style.legends_below([lower])
     return figure

@@ -68,7 +68,7 @@ def draw(runs: Sequence[sp.Rare], titles: Sequence[str]) -> Figure:
         axis.yaxis.set_major_locator(MaxNLocator(8, integer=True))
         axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: "$10^{{{:g}}}$".format(value)))
         axis.set_ylabel("probability")
-        style.legend_below(axis)
+    style.legends_below(axes[0])
     return figure
 
 

@@ -40,9 +40,7 @@ def draw(analyses: Sequence[sp.Analysis], runs: Sequence[sp.Results], titles: Se
     names = style.names_of(titles, cases)
     swept = any(shown.swept for shown in cases)
     figure, axes = style.new_figure(1, 2 if swept else 1, 11.4 if swept else 6.2, 4.2)
-    if swept:
-        draw_limits(axes[0, 1], cases, names)
-    axes = axes[0, 0]
+    panels, axes = axes[0], axes[0, 0]
     legend = []
     for at, (shown, name) in enumerate(zip(cases, names)):
         legend += draw_theory(axes, shown, name, style.colour(at))
@@ -52,7 +50,9 @@ def draw(analyses: Sequence[sp.Analysis], runs: Sequence[sp.Results], titles: Se
         style.logarithmic(axes)
     style.follower_axis(axes, max(shown.stationary.size for shown in cases))
     axes.set_ylabel("variance of $\\zeta_i$ [m$^2$]")
-    style.place_legend(axes, legend, 2 if swept else 1)
+    if swept:
+        draw_limits(panels[1], cases, names)
+    style.legends_below(panels, [legend, *(panel.get_legend_handles_labels()[0] for panel in panels[1:])])
     return figure
 
 
@@ -64,7 +64,6 @@ def draw_limits(axes: Axes, cases: Sequence[Case], names: Sequence[str]) -> None
     style.logarithmic(axes)
     axes.set_xlabel("time headway $h$ [s]")
     axes.set_ylabel("limit of the variance\nalong the string [m$^2$]")
-    style.legend_below(axes, ncol=1)
 
 
 def draw_theory(axes: Axes, shown: Case, name: str, colour: str) -> List[Any]:

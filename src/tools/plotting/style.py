@@ -76,7 +76,7 @@ def apply(width: Optional[float] = None) -> None:
         "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.labelsize": 9.5,
         "legend.fontsize": 8.5, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
         "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": INK, "axes.linewidth": 0.8,
-        "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6, "axes.axisbelow": True,
+        "axes.grid": True, "axes.formatter.useoffset": False, "grid.color": "#e4e4e4", "grid.linewidth": 0.6, "axes.axisbelow": True,
         "legend.framealpha": 0.9, "legend.edgecolor": "#cccccc", "legend.fancybox": False,
         "figure.constrained_layout.w_pad": 0.06, "figure.constrained_layout.h_pad": 0.05,
         "hatch.linewidth": 0.6, "hatch.color": "#9a9a9a",
@@ -111,6 +111,10 @@ def column_title(column: int, columns: int, text: str, longest: int = LINE) -> s
     text = "({}) {}".format(chr(ord("a") + column), text) if columns > 1 else text
     if chosen_width is not None:
         longest = max(20, min(longest, int(15.0 * chosen_width / (1 if is_narrow() else columns))))
+    return lines_of(text, longest)
+
+
+def lines_of(text: str, longest: int) -> str:
     return "\n".join(wrapped(line, longest) for line in text.split("\n"))
 
 
@@ -221,20 +225,20 @@ def legend_entry(**line: Any) -> Line2D:
     return Line2D([], [], **line)
 
 
-def legend_below(axes: Axes, **options: Any) -> None:
-    """A legend below the axes, where it hides no data."""
-    options.setdefault("ncol", 1 if is_narrow() else 2)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, frameon=False, columnspacing=1.6, **options)
-
-
-def place_legend(axes: Axes, legend: Sequence[Any], panels: int = 1) -> None:
-    """A legend below one of `panels` axes side by side, as long names leave no room in it; the figure grows by its lines."""
-    figure = axes.figure
-    letters = LETTERS * figure.get_figwidth() / (1 if is_narrow() else panels)
-    columns = 1 if is_narrow() or max(len(entry.get_label()) for entry in legend) > 0.45 * letters else 2
-    lines = sum(entry.get_label().count("\n") + 1 for entry in legend) / columns
-    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * lines)
-    legend_below(axes, handles=legend, ncol=columns)
+def legends_below(panels: Sequence[Axes], legends: Optional[Sequence[Sequence[Any]]] = None) -> None:
+    """A legend below each of the panels, which lie side by side, or below each other in a narrow figure: there it hides no data. The
+    figure grows by its lines. `legends`: the entries; without them those of the panels."""
+    figure = panels[0].figure
+    letters = int(LETTERS * figure.get_figwidth() / (1 if is_narrow() else len(panels)))
+    heights = []
+    for axes, entries in zip(panels, legends or [axes.get_legend_handles_labels()[0] for axes in panels]):
+        labels = [lines_of(entry.get_label(), letters) if chosen_width is not None else entry.get_label() for entry in entries]
+        longest = max((len(line) for label in labels for line in label.split("\n")), default=0)
+        columns = 1 if is_narrow() or longest > 0.45 * letters else 2
+        heights.append(sum(label.count("\n") + 1 for label in labels) / columns)
+        axes.legend(entries, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, frameon=False, columnspacing=1.6,
+                    ncol=columns)
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * (sum(heights) if is_narrow() else max(heights)))
 
 
 def mark_collisions(axes: Axes) -> None:

@@ -96,7 +96,7 @@ def draw(tails: Tails) -> Figure:
              "noise_variance": "noise variance $P_d$ [m$^2$]", "delay": "delay [steps]", "followers": "followers $N$"}
     axes.set_xlabel(names.get(tails.over, tails.over.replace("$", "\\$")))
     axes.set_ylabel("variance of the last $\\zeta_i$ [m$^2$]")
-    style.place_legend(axes, legend_of(tails.curves, int(style.LETTERS * figure.get_figwidth())))
+    style.legends_below([axes], [legend_of(tails.curves, int(style.LETTERS * figure.get_figwidth()))])
     return figure
 
 

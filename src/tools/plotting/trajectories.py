@@ -77,13 +77,12 @@ def draw(whole: sp.Trajectories, titles: Sequence[str], step: Optional[int] = No
     figure.suptitle(title, fontsize=rcParams["axes.titlesize"])
     if np.setdiff1d(shown, [0, worst - 1, worst]).size:
         style.add_colour_bar(figure, axes, colours, vehicles - 1)
-    style.legend_below(axes[1, 0], handles=[
+    of_vehicles = [
         style.legend_entry(color=style.INK, linewidth=2.4, label="follower {}: the smallest gap shown".format(worst)),
         style.legend_entry(color=style.INK, linewidth=1.3, linestyle=AHEAD,
-                           label="{}, ahead of it".format("vehicle {}".format(worst - 1) if worst > 1 else "leader"))])
-    style.legend_below(axes[1, 1], handles=[
-        style.legend_entry(color=style.BOUND, linewidth=1.2, label="gap 0: below it a collision"),
-        style.legend_entry(color=style.GREY, linewidth=1.0, label="the smallest gap shown")])
+                           label="{}, ahead of it".format("vehicle {}".format(worst - 1) if worst > 1 else "leader"))]
+    collision, _ = axes[0, 0].get_legend_handles_labels()  # if it is near enough to be drawn
+    style.legends_below(axes[1], [of_vehicles, [*collision, style.legend_entry(color=style.GREY, linewidth=1.0, label="the smallest gap shown")]])
     return figure
 
 
