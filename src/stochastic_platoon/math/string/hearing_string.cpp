@@ -194,7 +194,6 @@ double hearing_loss_margin(const PlatoonModel& model) {
   const std::size_t period = type_order(model).size();
   // A variance shows a narrow peak of the string's gain. The sign of the margin is known before its value.
   constexpr double kResolved = 1e-4, kCertain = 0.05;
-  constexpr std::size_t kMost = std::size_t{1} << 15;
   const auto is_certain = [](const std::vector<double>& before, const std::vector<double>& now) {
     return std::abs(now[0] - before[0]) <= kCertain * std::abs(1.0 - now[0]) &&
            std::abs(now[1] - before[1]) <= kResolved * now[1];
@@ -203,7 +202,7 @@ double hearing_loss_margin(const PlatoonModel& model) {
     const LossGain found = hearing_loss_gain(spectra, period);
     return std::vector<double>{found.gain, found.variance};
   };
-  return 1.0 - settled_hearing(model, gain, {is_certain, kMost}).front();
+  return 1.0 - settled_hearing(model, gain, {is_certain}).front();
 }
 
 }  // namespace platoon

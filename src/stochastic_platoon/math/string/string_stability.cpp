@@ -69,6 +69,11 @@ bool judge(const JudgedGain& gain, const PlatoonModel& model, StringStability& v
   return false;
 }
 
+/// "the loss gain is 0.2, below 1", without a figure of which only the side of 1 is known.
+std::string loss_gain_text(const StringStability& verdict, const std::string& side) {
+  return "the loss gain is " + (verdict.loss_gain ? beside_one(*verdict.loss_gain) + ", " : std::string()) + side;
+}
+
 /// Judges the loss gain, known to `doubt`, of a string whose gain is below 1: sets the reason of a negative verdict.
 /// True if it is below 1.
 bool judge_losses(double loss_gain, double doubt, const PlatoonModel& model, StringStability& verdict) {
@@ -80,7 +85,7 @@ bool judge_losses(double loss_gain, double doubt, const PlatoonModel& model, Str
     return false;
   }
   if (loss_gain < 1.0) return true;
-  verdict.reason = "not string stable: the loss gain is " + beside_one(loss_gain) + ", above 1: the variance that " +
+  verdict.reason = "not string stable: " + loss_gain_text(verdict, "above 1") + ": the variance that " +
                    (has_bursts(model) ? "losses in bursts" : "losses") + " add grows along the string";
   return false;
 }
@@ -104,7 +109,7 @@ void judge(const LinkedPattern* pattern, const PlatoonModel& model, bool with_li
   if (!end.variances.empty()) verdict.limit_variance = *std::max_element(end.variances.begin(), end.variances.end());
   verdict.reason = "string stable: rho(A) = " + beside_one(verdict.spectral_radius) + " is below 1" +
                    (loses(model) ? ", " : " and ") + gain_name(model) + " is below 1 for all w > 0";
-  if (loses(model)) verdict.reason += ", and the loss gain is " + beside_one(end.loss_gain) + ", below 1";
+  if (loses(model)) verdict.reason += ", and " + loss_gain_text(verdict, "below 1");
 } catch (const NarrowSpectra& narrow) {
   verdict.undecided = true;
   verdict.reason = std::string("undecided: ") + narrow.what() + " along an endless string";

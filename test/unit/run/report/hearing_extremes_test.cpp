@@ -51,6 +51,25 @@ noise_variance: 0.01)";
   EXPECT_NEAR(hearing.peak_gain - 1.0, plain.peak_gain - 1.0, 1e-9);
 }
 
+// A peak of the gain that is nearly 1 narrows the spectra: below 38.033 no 2^15 frequencies resolve it.
+TEST(HearingExtremes, AMarginNearABorderHasTheSignOfItsVerdict) {
+  const auto at = [](const std::string& headway) {
+    return hearing_model(kTenthOfASecond + headway + R"(
+controller: {kp: 0.35, kd: 0.8}
+standstill_distance: 5.0
+inputs:
+  - {signal: position, weight: 0.6, noise_variance: 0.02, channel: {loss: {probability: 0.2, on_loss: hold}}}
+  - {signal: position, from: 2, weight: 0.4, noise_variance: 0.05})");
+  };
+  const StringStability below = string_stability(at("38.0330")), above = string_stability(at("38.0331"));
+  EXPECT_TRUE(below.string_stable && !above.string_stable) << below.reason << "\n" << above.reason;
+  EXPECT_GT(string_margin(at("38.0330")), 0.0);
+  EXPECT_LT(string_margin(at("38.0331")), 0.0);
+  // Its side of 1 is known, and no digit.
+  EXPECT_FALSE(below.loss_gain);
+  EXPECT_NE(below.reason.find("the loss gain is below 1"), std::string::npos) << below.reason;
+}
+
 TEST(HearingExtremes, LongDelaysAreJudgedWithinTheirTurns) {
   const StringStability late =
       string_stability(two_ahead(kTenthOfASecond + "37.8\ncontroller: {kp: 0.35, kd: 0.8}", "{delay: 2000}"));
