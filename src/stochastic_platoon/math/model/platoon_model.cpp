@@ -124,6 +124,17 @@ bool is_homogeneous(const PlatoonModel& model) {
   return std::all_of(model.string.begin(), model.string.end(), [](std::size_t type) { return type == 0; });
 }
 
+std::vector<std::int64_t> steps_from_leader(const PlatoonModel& model, std::size_t followers) {
+  std::vector<std::int64_t> to_position{0}, to_error;  // y_i(k) depends on its sources up to step k - 1
+  for (std::size_t i = 1; i <= followers; ++i) {
+    std::int64_t nearest = to_position.back();
+    for (const Input& input : vehicle(model, i).inputs) nearest = std::min(nearest, to_position[source_of(input, i)]);
+    to_error.push_back(std::min(to_position.back(), nearest + 1));
+    to_position.push_back(nearest + 1);
+  }
+  return to_error;
+}
+
 bool is_papers(const PlatoonModel& model) {
   return is_homogeneous(model) && hears_predecessors_only(model) && !has_radios(model) && !has_limits(model) &&
          model.default_vehicle().position().link.is_white_noise_only();

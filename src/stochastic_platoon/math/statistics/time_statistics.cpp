@@ -8,13 +8,17 @@ namespace {
 constexpr std::int64_t kBeforeAll = -2;
 }
 
-TimeStatistics::TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier)
+TimeStatistics::TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier,
+                               std::vector<std::int64_t> distances, bool limited)
     : burn_in_(burn_in),
+      distances_(std::move(distances)),
+      limited_(limited),
       counts_from_(burn_in),
       earlier_(std::move(earlier)),
       followers_(followers),
       batches_(followers) {
   earlier_.resize(followers);
+  for (std::size_t i = distances_.size(); i < followers; ++i) distances_.push_back(static_cast<std::int64_t>(i));
 }
 
 void TimeStatistics::restart() {
@@ -38,9 +42,13 @@ void TimeStatistics::saw_leader(std::int64_t step, bool by_model) {
 }
 
 bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
+  const std::vector<Steps>& held_back = followers_[follower - 1].held_back;
+  if (std::any_of(held_back.begin(), held_back.end(),
+                  [step](const Steps& of) { return of.from <= step && step < of.until; }))
+    return false;
   if (departed_ == kNever) return step >= counts_from_;
   const std::int64_t hops = static_cast<std::int64_t>(follower) - 1;
-  if (step >= departed_ + hops) return step >= counts_from_ + hops;
+  if (step >= departed_ + distances_[follower - 1]) return step >= counts_from_ + hops;
   return step >= counted_from_ + (counted_from_ > burn_in_ ? hops : 0);
 }
 
@@ -48,28 +56,75 @@ bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
 bool TimeStatistics::departs(std::size_t follower, std::int64_t step) const {
   if (departed_ == kNever) return false;
   const std::int64_t hops = static_cast<std::int64_t>(follower) - 1;
-  return step >= departed_ + hops && step < counts_from_ - burn_in_ + hops;
+  return step >= departed_ + distances_[follower - 1] && step < counts_from_ - burn_in_ + hops;
 }
 
 void TimeStatistics::add(const ReducedSignals& signals) {
+  const AtLimits& at = signals.at_limits;
+  const bool at_limit = std::any_of(at.begin(), at.end(), [](std::uint64_t count) { return count > 0; });
   // With one realization the mean is the error itself.
-  followers_.at(signals.follower - 1).early.emplace(signals.step, signals.nodes.front().front().mean);
-  count_due(signals.follower);
+  followers_.at(signals.follower - 1).early.emplace(signals.step, Error{signals.nodes.front().front().mean, at_limit});
+  for (std::size_t i = signals.follower; count_due(i) && limited_ && i < followers_.size(); ++i) {  // it may wait for i
+  }
 }
 
-void TimeStatistics::count_due(std::size_t index) {
-  Follower& follower = followers_[index - 1];
-  const std::int64_t hops = static_cast<std::int64_t>(index) - 1;
-  for (auto next = follower.early.begin(); next != follower.early.end() && next->first == follower.next_step;
-       next = follower.early.erase(next), ++follower.next_step) {
-    if (leader_step_ != kNever && next->first > leader_step_ + hops) return;
-    if (!counts(index, next->first)) {
-      if (!measured(index - 1) && !departs(index, next->first)) follower.provisional.add(next->second);
-      continue;
-    }
-    follower.moments.add(next->second);
-    batches_[index - 1].add(next->second);
+// Whether an error was due.
+bool TimeStatistics::count_due(std::size_t index) {
+  bool any = false;
+  while (count_next(index)) any = true;
+  return any;
+}
+
+namespace {
+
+// Joins the steps to those that they overlap or continue.
+template <typename Steps>
+void include(std::vector<Steps>& all, const Steps& added) {
+  for (Steps& known : all) {
+    if (added.from > known.until || added.until < known.from) continue;
+    known = {std::min(known.from, added.from), std::max(known.until, added.until)};
+    return;
   }
+  all.push_back(added);
+}
+
+}  // namespace
+
+// Extends the steps in which limits hold the follower back: from those of the vehicle ahead, and by its own.
+void TimeStatistics::hold_back(std::size_t index, std::int64_t step, bool at_limit) {
+  constexpr std::int64_t kMoreThanUsual = 2, kShort = 10;  // [times], [steps]
+  Follower& own = followers_[index - 1];
+  own.held = at_limit ? own.held + 1 : 0;
+  if (index > 1) {
+    for (const Steps& of : followers_[index - 2].held_back) include(own.held_back, of);
+  }
+  const bool departed = departed_ != kNever && step >= departed_ + distances_[index - 1];
+  if (!departed || counts(index, step)) {
+    own.usual = std::max(own.usual, own.held);
+  } else if (own.held > kMoreThanUsual * own.usual + kShort &&
+             step - own.held >= departed_ + distances_[index - 1]) {  // not since before the manoeuvre
+    include(own.held_back, Steps{step, step + 1 + burn_in_});
+  }
+}
+
+bool TimeStatistics::count_next(std::size_t index) {
+  Follower& follower = followers_[index - 1];
+  const auto next = follower.early.begin();
+  if (next == follower.early.end() || next->first != follower.next_step) return false;
+  const std::int64_t step = next->first;
+  if (leader_step_ != kNever && step > leader_step_ + distances_[index - 1]) return false;
+  if (limited_ && index > 1 && followers_[index - 2].next_step < step) return false;
+  const Error error = next->second;
+  if (limited_) hold_back(index, step, error.at_limit);
+  if (counts(index, step)) {
+    follower.moments.add(error.value);
+    batches_[index - 1].add(error.value);
+  } else if (!measured(index - 1) && !departs(index, step)) {
+    follower.provisional.add(error.value);
+  }
+  follower.early.erase(next);
+  ++follower.next_step;
+  return true;
 }
 
 bool TimeStatistics::empty() const {
@@ -79,7 +134,11 @@ bool TimeStatistics::empty() const {
 
 std::int64_t TimeStatistics::counted_from() const {
   const std::int64_t hops = departed_ == kNever ? 0 : static_cast<std::int64_t>(followers_.size()) - 1;
-  return counts_from_ + hops;
+  std::int64_t from = counts_from_ + hops;
+  for (const Follower& follower : followers_) {
+    for (const Steps& of : follower.held_back) from = std::max(from, of.until);
+  }
+  return from;
 }
 
 std::vector<Moments> TimeStatistics::moments() const {

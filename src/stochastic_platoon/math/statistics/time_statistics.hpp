@@ -17,8 +17,12 @@ namespace platoon {
 /// of an interrupted realization (a killed node) count, and the next realization counts from its own burn_in on.
 ///
 /// A manoeuvre of the leader in steps a .. b departs from the model. It excludes the errors that it affects, zeta_i(k)
-/// for k >= a + i - 1, up to a burn-in after its end, k <= b + i - 1 + burn_in. The decision requires the leader's step
-/// k - i + 1, the latest on which zeta_i(k) depends.
+/// for k >= a + d_i, up to a burn-in after its end, k <= b + i - 1 + burn_in. The decision requires the leader's step
+/// k - d_i, the latest on which zeta_i(k) depends.
+///
+/// The burn-in is that of linear vehicles. A vehicle that its limits hold back settles later: where a stay at a limit,
+/// begun in a manoeuvre, lasts longer than those outside of manoeuvres, its errors and those behind it are excluded up
+/// to a burn-in later.
 ///
 /// Until a follower has an average, provisional() has the moments of the latest of its errors, those of a manoeuvre
 /// left out. They serve displays alone.
@@ -27,8 +31,11 @@ namespace platoon {
 /// bits. Successive errors are correlated: shares() measures their share of independent errors.
 class TimeStatistics : public ErrorAverages {
 public:
-  /// `earlier`: moments() of earlier realizations, one per follower; may be empty.
-  TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier = {});
+  /// `earlier`: moments() of earlier realizations, one per follower; may be empty. `distances`: the d_i (see
+  /// steps_from_leader()); empty: i - 1. `limited`: whether vehicles have limits; their errors then wait for those of
+  /// the vehicle ahead, up to the step before.
+  TimeStatistics(std::size_t followers, std::int64_t burn_in, std::vector<Moments> earlier = {},
+                 std::vector<std::int64_t> distances = {}, bool limited = false);
 
   void add(const ReducedSignals& signals) override;
   /// No effect: an endless batch is never complete.
@@ -46,19 +53,32 @@ public:
   const EnsembleTotals* totals() const override { return nullptr; }
 
 private:
+  struct Error {
+    double value;  ///< zeta_i [m]
+    bool at_limit;
+  };
+  struct Steps {
+    std::int64_t from, until;
+  };
   struct Follower {
     Moments moments;
     RecentMoments provisional;
-    std::int64_t next_step = 0;            ///< next step to add
-    std::map<std::int64_t, double> early;  ///< zeta_i of steps received early [m]
+    std::int64_t next_step = 0;           ///< next step to add
+    std::map<std::int64_t, Error> early;  ///< of steps received early
+    std::vector<Steps> held_back = {};    ///< excluded as limits hold it back, or a vehicle ahead
+    std::int64_t held = 0, usual = 0;     ///< steps at a limit in a row: now, and the most outside of manoeuvres
   };
-  void count_due(std::size_t index);
+  bool count_due(std::size_t index);
+  bool count_next(std::size_t index);
+  void hold_back(std::size_t index, std::int64_t step, bool at_limit);
   bool counts(std::size_t follower, std::int64_t step) const;
   bool departs(std::size_t follower, std::int64_t step) const;
   bool measured(std::size_t index) const { return earlier_[index].count + followers_[index].moments.count > 0; }
 
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   std::int64_t burn_in_;
+  std::vector<std::int64_t> distances_;
+  bool limited_;
   std::int64_t leader_step_ = kNever;   ///< latest known; kNever: not reported
   std::int64_t departed_ = kNever;      ///< first step of the latest manoeuvre
   std::int64_t counts_from_;            ///< first step counted after it

@@ -78,6 +78,8 @@ Manoeuvre& Leader::manoeuvre() {
     throw std::runtime_error(
         "rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) accepts orders");
   }
+  if (run_state_->stamp.isZero())  // the first step would end it
+    throw std::runtime_error("rejected: the run has not begun; the leader accepts orders once it has sent a step");
   return run_state_->vehicle.manoeuvre();
 }
 

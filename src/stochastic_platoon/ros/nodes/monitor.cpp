@@ -282,7 +282,8 @@ void Monitor::show_manoeuvre(bool departs) {
     ROS_INFO("the leader manoeuvres: averages are paused until its effect has decayed");
   } else {
     ROS_INFO_STREAM("the leader drives by the model file again: averages go on in "
-                    << duration_in_steps(configuration_.run.burn_in, configuration_.model));
+                    << duration_in_steps(configuration_.run.burn_in, configuration_.model)
+                    << (has_limits(configuration_.model) ? ", later if limits hold a vehicle back" : ""));
   }
 }
 

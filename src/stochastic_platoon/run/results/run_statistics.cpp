@@ -23,10 +23,13 @@ Tally tally_of(const Checkpoint* start, const RunOptions& run) {
 }
 
 // Averages over time in an endless run, of its errors alone; otherwise over realizations. They continue `start`.
-std::unique_ptr<ErrorAverages> averages_of(const RunOptions& run, const SignalCells& cells, const Checkpoint* start) {
+std::unique_ptr<ErrorAverages> averages_of(const Configuration& configuration, const SignalCells& cells,
+                                           const Checkpoint* start) {
+  const RunOptions& run = configuration.run;
   if (run.averaging() == Averaging::over_time)
-    return std::make_unique<TimeStatistics>(run.followers, run.burn_in,
-                                            start ? start->time_averages : std::vector<Moments>());
+    return std::make_unique<TimeStatistics>(
+        run.followers, run.burn_in, start ? start->time_averages : std::vector<Moments>(),
+        steps_from_leader(configuration.model, run.followers), has_limits(configuration.model));
   auto averages = std::make_unique<EnsembleStatistics>(cells);
   if (start != nullptr) averages->merge(start->totals);
   return averages;
@@ -46,7 +49,7 @@ RunStatistics::RunStatistics(const Configuration& configuration, const Checkpoin
       cells_(cells_of(configuration)),
       signals_(signals_of_all(configuration.model, configuration.run.signals, configuration.run.followers)),
       tally_(tally_of(start, configuration.run)),
-      averages_(averages_of(configuration.run, cells_, start)),
+      averages_(averages_of(configuration, cells_, start)),
       assembly_(configuration.run.schedule(), configuration.run.followers, first_realization, tally_.attempts,
                 static_cast<std::int64_t>(steps_before(signals_.front())), start_slope(configuration.model),
                 measured_followers(configuration)) {

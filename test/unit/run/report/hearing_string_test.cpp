@@ -207,5 +207,11 @@ inputs:
   }
 }
 
+TEST(HearingString, IsReachedByTheLeaderOnTheShortestWay) {
+  EXPECT_EQ(steps_from_leader(hearing_model(kPath), 4), (std::vector<std::int64_t>{0, 1, 1, 1}));
+  EXPECT_EQ(steps_from_leader(hearing_model(kTwoAhead), 5), (std::vector<std::int64_t>{0, 1, 1, 2, 2}));
+  EXPECT_EQ(steps_from_leader(hearing_model(kRadioCar), 3), (std::vector<std::int64_t>{0, 1, 2}));
+}
+
 }  // namespace
 }  // namespace platoon
