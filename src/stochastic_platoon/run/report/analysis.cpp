@@ -91,7 +91,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     if (needed) begins(stage);
     return needed;
   };
-  if (needs_any({"warnings"})) analysis.warnings = plausibility_warnings(configuration);
+  if (needs_any({"warnings"}) && analysis.without_theory) analysis.warnings = plausibility_warnings(configuration);
   if (plain && needs("rounding", {"rounding"}))
     analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
   const std::set<std::string> of_linear = linear_keys(keys);
@@ -127,14 +127,19 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.not_computed = std::string("not computed: ") + NarrowSpectra().what();
   if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))
     analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
+  std::vector<SignalFigures> motion;
   const bool needs_signals = needs_any({"signals", "collision", "amplification"});
   const std::vector<std::string> names = needs_signals ? signals.all_names() : std::vector<std::string>();
   if (needs("mean and variance of every step", {"mean", "variance", "norms", "contradictions"})) {
-    StringMoments moments = string_moments(model, names, followers, steps);
+    const std::vector<std::string> computed = needs_any({"warnings"}) ? with_motion(names, configuration.run) : names;
+    StringMoments moments = string_moments(model, computed, followers, steps);
+    motion = signal_figures(computed, moments.signals, followers, steps);
+    moments.signals.resize(names.size());
     analysis.moments = std::move(moments.errors);
     analysis.signals.moments = std::move(moments.signals);
     analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   }
+  if (needs_any({"warnings"})) analysis.warnings = plausibility_warnings(configuration, motion);
   if (is_papers(model) && needs("bounds", {"bounds", "norms"}) && analysis.stability.mean_square_stable)
     analysis.bounds = theorem_two_bounds(model, followers, steps);
   if (!is_papers(model) && needs("stationary means", {"stationary_mean"}))

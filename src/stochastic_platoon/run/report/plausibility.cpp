@@ -1,6 +1,7 @@
 #include "stochastic_platoon/run/report/plausibility.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -10,7 +11,6 @@
 #include "stochastic_platoon/math/model/loop_assumptions.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
-#include "stochastic_platoon/math/string/signal_moments.hpp"
 
 namespace platoon {
 
@@ -20,7 +20,8 @@ constexpr double kShortestHeadway = 0.05, kLongestHeadway = 10.0;  // [s]
 constexpr double kOneInAHundred = 2.58;                            // standard deviations, both tails
 constexpr std::size_t kMostTheory = 100'000;                       // of the theory that is computed for warnings
 constexpr std::size_t kMostLossyTheory = 2'000;                    // the same where links lose
-constexpr double kShareOfTime = 0.003;                             // of half a minute, of chain_moments()
+constexpr std::array<const char*, 2> kMotion{"speed", "acceleration"};
+constexpr double kShareOfTime = 0.003;  // of half a minute, of chain_moments()
 
 /// The speeds that the leader is given, and the accelerations of a recorded drive.
 struct LeaderMotion {
@@ -157,7 +158,29 @@ std::string warning_lines(const std::vector<std::string>& warnings) {
   return text;
 }
 
-std::vector<std::string> plausibility_warnings(const Configuration& configuration) {
+std::vector<std::string> with_motion(std::vector<std::string> names, const RunOptions& run) {
+  if (run.followers * static_cast<std::size_t>(std::max<std::int64_t>(run.steps, 0)) > kMostTheory) return names;
+  for (const char* name : kMotion) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  }
+  return names;
+}
+
+std::vector<SignalFigures> signal_figures(const std::vector<std::string>& names,
+                                          const std::vector<SignalMoments>& signals, std::size_t followers,
+                                          std::int64_t steps) {
+  const auto cells = static_cast<std::ptrdiff_t>(followers * static_cast<std::size_t>(steps));
+  std::vector<SignalFigures> figures;
+  for (std::size_t s = 0; s < signals.size(); ++s) {
+    const SignalMoments& of = signals[s];
+    figures.push_back(
+        {names[s], {of.mean.begin(), of.mean.begin() + cells}, {of.variance.begin(), of.variance.begin() + cells}});
+  }
+  return figures;
+}
+
+std::vector<std::string> plausibility_warnings(const Configuration& configuration,
+                                               const std::vector<SignalFigures>& known) {
   const PlatoonModel& model = configuration.model;
   const RunOptions& run = configuration.run;
   std::vector<std::string> warnings;
@@ -166,23 +189,26 @@ std::vector<std::string> plausibility_warnings(const Configuration& configuratio
   add_cancelled_modes(model, warnings);
   add_headways(model, warnings);
   add_standstill(model, run.followers, warnings);
-  if (no_theory(model)) return warnings;
+  if (no_theory(model) || run.followers_before_external() == 0) return warnings;
+  const auto add_motion = [&](const std::vector<SignalFigures>& figures, std::int64_t steps) {
+    const std::vector<std::string> motion = motion_warnings(model, figures, steps);
+    warnings.insert(warnings.end(), motion.begin(), motion.end());
+  };
+  add_motion(known, run.steps);
+  std::vector<std::string> names(kMotion.begin(), kMotion.end());
+  for (const SignalFigures& of : known) names.erase(std::remove(names.begin(), names.end(), of.name), names.end());
+  if (names.empty()) return warnings;
   const auto usual = static_cast<std::int64_t>(std::clamp(10.0 / model.sample_period, 100.0, 10000.0));
   const auto recorded = static_cast<std::int64_t>(model.recorded_leader.size());  // of one step more
   const std::int64_t most = recorded > 1 ? recorded - 1 : static_cast<std::int64_t>(kMostTheory);
   std::int64_t steps = std::min(run.steps > 0 ? run.steps : usual, most);
   const std::size_t most_theory = loses(model) ? kMostLossyTheory : kMostTheory;
-  const std::size_t followers =
-      std::min(run.followers, std::max<std::size_t>(most_theory / static_cast<std::size_t>(steps), 1));
+  const std::size_t followers = std::min(run.followers_before_external(),
+                                         std::max<std::size_t>(most_theory / static_cast<std::size_t>(steps), 1));
   if (needs_chain_moments(model))
     steps = std::clamp<std::int64_t>(most_chain_steps(model, followers, kShareOfTime), 1, steps);
   try {
-    const std::vector<std::string> names{"speed", "acceleration"};
-    std::vector<SignalFigures> figures;
-    for (SignalMoments& of : signal_moments(model, names, followers, steps))
-      figures.push_back({names[figures.size()], std::move(of.mean), std::move(of.variance)});
-    const std::vector<std::string> motion = motion_warnings(model, figures, steps);
-    warnings.insert(warnings.end(), motion.begin(), motion.end());
+    add_motion(signal_figures(names, signal_moments(model, names, followers, steps), followers, steps), steps);
   } catch (const std::invalid_argument&) {
     // A loop without an equilibrium has no theory of signals.
   }

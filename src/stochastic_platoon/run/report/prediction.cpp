@@ -137,7 +137,8 @@ std::string contradiction_line(const std::string& contradiction) {
 
 namespace {
 
-Prediction theory_of(const Configuration& configuration) {
+// `motion` receives the figures that plausibility_warnings() takes.
+Prediction theory_of(const Configuration& configuration, std::vector<SignalFigures>& motion) {
   const RunOptions& run = configuration.run;
   if (const auto reason = no_theory(configuration.model)) return no_prediction(configuration, *reason);
   const bool plain = hears_predecessors_only(configuration.model), of_chain = needs_chain_moments(configuration.model);
@@ -160,8 +161,11 @@ Prediction theory_of(const Configuration& configuration) {
     if (prediction.warning.empty() && !has_bursts(configuration.model) && plain)
       prediction.error_correlation = error_correlations(configuration.model, run.followers);
   } else {
+    const std::vector<std::string> names = with_motion(run.signals, run);
     StringMoments moments =
-        string_moments(configuration.model, run.signals, run.followers, run.steps, &prediction.fourth_cumulant);
+        string_moments(configuration.model, names, run.followers, run.steps, &prediction.fourth_cumulant);
+    motion = signal_figures(names, moments.signals, run.followers_before_external(), run.steps);
+    moments.signals.resize(run.signals.size());
     if (of_chain) prediction.warning = kNoFourthMoments;
     prediction.means_only = of_chain;
     if (!prediction.fourth_cumulant.empty())
@@ -188,8 +192,9 @@ Prediction theory_of(const Configuration& configuration) {
 }  // namespace
 
 Prediction predict(const Configuration& configuration) {
-  Prediction prediction = theory_of(configuration);
-  prediction.warnings = plausibility_warnings(configuration);
+  std::vector<SignalFigures> motion;
+  Prediction prediction = theory_of(configuration, motion);
+  prediction.warnings = plausibility_warnings(configuration, motion);
   if (prediction.remainders > 0)
     prediction.warnings.push_back(formatted(
         "losses carry on what is left of the start or of a change of speed, in few realizations: %zu of %zu variances are not judged",

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/math/string/amplification.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"
@@ -42,24 +43,26 @@ std::optional<double> collision_bound(const Prediction& prediction, std::size_t 
 
 std::vector<std::string> run_warnings(const Configuration& configuration, const Prediction& prediction,
                                       const RunResult& result) {
-  std::vector<std::string> warnings = prediction.warnings;
-  if (!has_normal_errors(configuration.model) && !result.signals.empty()) {
-    std::vector<SignalFigures> measured;
-    for (std::size_t s = 0; s < configuration.run.signals.size(); ++s) {
-      measured.push_back({configuration.run.signals[s], {}, {}});
-      for (const Moments& of : result.signals[s]) {
-        measured.back().mean.push_back(of.known_mean());
-        measured.back().variance.push_back(of.variance());
-      }
+  const RunOptions& run = configuration.run;
+  std::vector<SignalFigures> measured;
+  for (std::size_t s = 0; s < result.signals.size(); ++s) {
+    measured.push_back({run.signals[s], {}, {}});
+    for (std::size_t c = 0; c < result.signals[s].size(); ++c) {
+      const Moments& of = result.signals[s][c];
+      const bool is_known = has_signal_theory(prediction, c / static_cast<std::size_t>(run.steps) + 1);
+      measured.back().mean.push_back(is_known ? kNaN : of.known_mean());
+      measured.back().variance.push_back(of.variance());
     }
-    const auto speaks_of_one = [&measured](const std::string& warning) {
-      return std::any_of(measured.begin(), measured.end(),
-                         [&](const SignalFigures& of) { return warning.rfind(of.name + ":", 0) == 0; });
-    };
-    warnings.erase(std::remove_if(warnings.begin(), warnings.end(), speaks_of_one), warnings.end());
-    const std::vector<std::string> motion = motion_warnings(configuration.model, measured, configuration.run.steps);
-    warnings.insert(warnings.end(), motion.begin(), motion.end());
   }
+  std::vector<std::string> warnings = prediction.warnings;
+  const auto is_of_first_steps = [&](const std::string& warning) {
+    return prediction.signals.empty() && std::any_of(measured.begin(), measured.end(), [&](const SignalFigures& of) {
+             return warning.rfind(of.name + ":", 0) == 0;
+           });
+  };
+  warnings.erase(std::remove_if(warnings.begin(), warnings.end(), is_of_first_steps), warnings.end());
+  const std::vector<std::string> motion = motion_warnings(configuration.model, measured, run.steps);
+  warnings.insert(warnings.end(), motion.begin(), motion.end());
   return warnings;
 }
 
