@@ -38,7 +38,7 @@ StringEnd hearing_limit(const PlatoonModel& model);
 double hearing_gain_margin(const PlatoonModel& model);
 
 /// 1 minus the loss gain, for a model whose gain margin is positive; 1 without losses. Its sign is that of the verdict,
-/// its value of an accuracy of a few hundredths. Throws NarrowSpectra so near to the border of the gain that 2^15
+/// its value of an accuracy of a few hundredths. Throws NarrowSpectra so near to the border of the gain that 2^18
 /// frequencies do not resolve its peak.
 double hearing_loss_margin(const PlatoonModel& model);
 

@@ -163,7 +163,9 @@ StringStability string_stability(const PlatoonModel& model, bool cross_spectra, 
 double string_margin(const PlatoonModel& model) {
   const VariedMargins margins = varied_margins([&model](double) { return model; }, 0.0);
   const double gain = margins.gain(0.0);
-  return gain > 0.0 ? std::min(gain, margins.losses(0.0)) : gain;
+  if (!(gain > 0.0) || !loses(model)) return gain;
+  const double losses = margins.losses(0.0);  // 1 / loss gain - 1 where vehicles hear their predecessors
+  return std::min(gain, hears_predecessors_only(model) ? 1.0 - 1.0 / (1.0 + losses) : losses);
 }
 
 }  // namespace platoon

@@ -57,8 +57,9 @@ struct StringStability {
 StringStability string_stability(const PlatoonModel& model, bool cross_spectra = false, bool with_limit = true);
 
 /// Positive exactly if string_stability() finds the platoon string stable, and continuous there: the smaller of the
-/// least attenuation of the gain and 1 minus the loss gain; where others are heard, of the attenuation at low
-/// frequencies. -1 where no spectrum resolves it.
+/// least attenuation -ln |gain|^2 and 1 minus the loss gain. Where others are heard, the attenuation is that at low
+/// frequencies, and the loss gain has an accuracy of a few hundredths of its distance from 1; -1 where no spectrum
+/// resolves it.
 double string_margin(const PlatoonModel& model);
 
 /// The gain that verdicts judge at these frequencies [rad/sample]: |prod T^| over one pattern, or the spectral radius

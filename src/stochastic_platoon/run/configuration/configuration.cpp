@@ -150,6 +150,18 @@ nlohmann::json to_json(const Configuration& configuration) {
       {"version", configuration.version}, {"model", to_json(configuration.model)}, {"run", to_json(configuration.run)}};
 }
 
+PlatoonModel model_within_run(const Configuration& configuration) {
+  PlatoonModel model = configuration.model;
+  const std::int64_t steps = configuration.run.steps;
+  if (steps == 0) return model;
+  std::vector<SpeedChange> changes = model.leader.changes();
+  while (changes.size() > 1 && changes.back().from_step >= std::max<std::int64_t>(steps - 1, 1)) changes.pop_back();
+  model.leader = LeaderProfile(changes, model.sample_period);
+  std::vector<double>& recorded = model.recorded_leader;
+  recorded.resize(std::min(recorded.size(), static_cast<std::size_t>(steps) + 1));
+  return model;
+}
+
 SignalCells cells_of(const Configuration& configuration) {
   const RunOptions& run = configuration.run;
   return signal_cells(configuration.model, run.followers, run.steps, run.signals);

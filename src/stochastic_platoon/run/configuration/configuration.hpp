@@ -33,6 +33,10 @@ Configuration parse_recorded_configuration(const std::string& text);
 /// What is wrong with the signals of the run, each with its key; empty if nothing is.
 std::vector<std::string> signal_problems(const Configuration& configuration);
 
+/// The model with the leader up to the last step of the run, whose speed is then the one of stationary values; of an
+/// endless run the model as it is.
+PlatoonModel model_within_run(const Configuration& configuration);
+
 /// The cells of the run's statistics.
 SignalCells cells_of(const Configuration& configuration);
 

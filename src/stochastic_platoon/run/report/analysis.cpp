@@ -67,8 +67,10 @@ std::set<std::string> linear_keys(const std::set<std::string>& keys) {
 
 }  // namespace
 
-Analysis analyze(const Configuration& configuration, const SignalRequest& signals, const StageObserver& begins,
+Analysis analyze(const Configuration& given, const SignalRequest& signals, const StageObserver& begins,
                  const std::set<std::string>& keys) {
+  Configuration configuration = given;
+  configuration.model = model_within_run(given);
   const PlatoonModel& model = configuration.model;
   const std::size_t followers = configuration.run.followers;
   const std::int64_t steps = configuration.run.steps;
@@ -91,7 +93,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     if (needed) begins(stage);
     return needed;
   };
-  if (needs_any({"warnings"}) && analysis.without_theory) analysis.warnings = plausibility_warnings(configuration);
+  if (needs_any({"warnings"}) && analysis.without_theory) analysis.warnings = plausibility_warnings(given);
   if (plain && needs("rounding", {"rounding"}))
     analysis.rounding = rounding_bound_of_a_metre(own.loop.realization, static_cast<std::size_t>(steps));
   const std::set<std::string> of_linear = linear_keys(keys);
@@ -139,7 +141,7 @@ Analysis analyze(const Configuration& configuration, const SignalRequest& signal
     analysis.signals.moments = std::move(moments.signals);
     analysis.norms = error_norms(analysis.moments, NormOrder::kTwo, NormOrder::kInfinity);
   }
-  if (needs_any({"warnings"})) analysis.warnings = plausibility_warnings(configuration, motion);
+  if (needs_any({"warnings"})) analysis.warnings = plausibility_warnings(given, motion);
   if (is_papers(model) && needs("bounds", {"bounds", "norms"}) && analysis.stability.mean_square_stable)
     analysis.bounds = theorem_two_bounds(model, followers, steps);
   if (!is_papers(model) && needs("stationary means", {"stationary_mean"}))

@@ -155,7 +155,7 @@ std::string report(const Configuration& configuration, const Analysis& analysis)
   const std::vector<double>& stationary = analysis.stationary_variance;
   const std::string& missing = analysis.not_computed;
   const bool none_is_computed = !missing.empty() && std::isnan(stationary.front());
-  text += "Stationary variance: ";
+  text += "Stationary variance" + speed_text(configuration) + ": ";
   if (!none_is_computed)
     text += figure(stationary.front(), "m^2") + " of follower 1, " + figure(stationary.back(), "m^2") +
             formatted(" of follower %zu; of an endless string: ", stationary.size());

@@ -193,7 +193,9 @@ Prediction theory_of(const Configuration& configuration, std::vector<SignalFigur
 
 Prediction predict(const Configuration& configuration) {
   std::vector<SignalFigures> motion;
-  Prediction prediction = theory_of(configuration, motion);
+  Configuration within_run = configuration;
+  within_run.model = model_within_run(configuration);
+  Prediction prediction = theory_of(within_run, motion);
   prediction.warnings = plausibility_warnings(configuration, motion);
   if (prediction.remainders > 0)
     prediction.warnings.push_back(formatted(

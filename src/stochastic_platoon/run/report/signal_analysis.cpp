@@ -29,8 +29,8 @@ std::string along(const std::vector<double>& values, std::optional<double> limit
 }
 
 // [m/s], at which stationary figures hold.
-double last_speed(const PlatoonModel& model) {
-  return metres_per_step(model) / model.sample_period;
+double last_speed(const Configuration& configuration) {
+  return metres_per_step(model_within_run(configuration)) / configuration.model.sample_period;
 }
 
 std::string collision_lines(const Configuration& configuration, const SignalAnalysis& analysis) {
@@ -46,12 +46,12 @@ std::string collision_lines(const Configuration& configuration, const SignalAnal
           along(risk.required_distance, risk.limit_required_distance, "m") +
           formatted("; for any of the %zu followers ", risk.required_distance.size()) +
           figure(risk.platoon_required_distance, "m") +
-          formatted(", at the leader's last speed, %.6g m/s\n", last_speed(configuration.model));
+          formatted(", at the leader's last speed, %.6g m/s\n", last_speed(configuration));
   return text;
 }
 
-nlohmann::json to_json(const PlatoonModel& model, const CollisionRisk& risk) {
-  return {{"speed", last_speed(model)},
+nlohmann::json to_json(const Configuration& configuration, const CollisionRisk& risk) {
+  return {{"speed", last_speed(configuration)},
           {"required_standstill_distance_of_platoon", number(risk.platoon_required_distance)},
           {"probability", numbers(risk.probability)},
           {"rate", numbers(risk.rate)},
@@ -188,7 +188,7 @@ void add_to_json(const Configuration& configuration, const SignalAnalysis& analy
     of["mean"] = rows(analysis.moments[s].mean, steps);
     of["variance"] = rows(analysis.moments[s].variance, steps);
   }
-  if (analysis.collisions) document["collision"] = to_json(configuration.model, *analysis.collisions);
+  if (analysis.collisions) document["collision"] = to_json(configuration, *analysis.collisions);
 }
 
 }  // namespace platoon

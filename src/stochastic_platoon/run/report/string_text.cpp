@@ -4,8 +4,10 @@
 #include <map>
 #include <vector>
 
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
+#include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
 
@@ -47,6 +49,12 @@ std::string hears_text(const PlatoonModel& model) {
 }
 
 }  // namespace
+
+std::string speed_text(const Configuration& configuration) {
+  const PlatoonModel& model = configuration.model;
+  if (!loses(model) || no_theory(model)) return "";
+  return formatted(" at %.6g m/s", metres_per_step(model_within_run(configuration)) / model.sample_period);
+}
 
 std::string spacing_text(const PlatoonModel& model) {
   std::vector<double> headways, distances;

@@ -4,9 +4,9 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <set>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
@@ -14,6 +14,7 @@
 #include "stochastic_platoon/run/io/digest.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
+#include "stochastic_platoon/run/results/identity_differences.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
 
 namespace platoon {
@@ -133,22 +134,6 @@ bool has_no_gap(const MomentTable& table) {
 }
 
 }  // namespace
-
-std::string identity_differences(const nlohmann::json& there, const nlohmann::json& here) {
-  // A key in only one identity is a difference too: the paper's channel has no key.
-  std::set<std::string> keys;
-  for (const nlohmann::json* identity : {&there, &here}) {
-    for (const auto& entry : identity->items()) keys.insert(entry.key());
-  }
-  std::string text;
-  for (const std::string& key : keys) {
-    const nlohmann::json other = there.value(key, nlohmann::json()), own = here.value(key, nlohmann::json());
-    if (other == own) continue;
-    text += (text.empty() ? "" : ", ") + key + " is " + shortened(other.dump()) + " there and " +
-            shortened(own.dump()) + " here";
-  }
-  return text;
-}
 
 void require_no_results(const std::string& output) {
   const bool statistics = may_exist(output + "/statistics.csv") && !may_exist(unfinished_summary_file(output));

@@ -57,9 +57,6 @@ std::optional<Checkpoint> read_checkpoint(const std::string& output);
 /// differences are listed, or does not hold realizations 0, 1, ... without a gap.
 std::optional<Checkpoint> starting_point(const Configuration& configuration);
 
-/// Differences of two identities: "seed is 1 there and 2 here"; empty: none.
-std::string identity_differences(const nlohmann::json& there, const nlohmann::json& here);
-
 /// Throws ConfigurationError if the folder holds results, of a run or an estimation, which are never overwritten, other
 /// than a statistics.csv that a killed write_results() left without its summary.
 void require_no_results(const std::string& output);

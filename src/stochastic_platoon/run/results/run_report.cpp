@@ -125,7 +125,8 @@ std::string report(const Configuration& configuration, const Prediction& predict
   if (const std::optional<std::string> growth = measured_growth(configuration, prediction, result))
     text += "MEASUREMENT AND VERDICT DISAGREE: " + *growth + "\n";
   if (stability.limit_variance) {
-    text += formatted("Stationary variance along an endless string: %.6g m^2\n", *stability.limit_variance);
+    text += "Stationary variance along an endless string" + speed_text(configuration) +
+            formatted(": %.6g m^2\n", *stability.limit_variance);
   }
   return text;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/identity_differences.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 
 namespace platoon {

@@ -14,6 +14,7 @@
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/printable.hpp"
 #include "stochastic_platoon/run/io/retried_write.hpp"
+#include "stochastic_platoon/run/results/identity_differences.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 
 namespace platoon {

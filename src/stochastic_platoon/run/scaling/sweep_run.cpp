@@ -14,6 +14,7 @@
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/prediction.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/identity_differences.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/run/report/plausibility.hpp"
 #include "unit/math/radio_cars.hpp"
 #include "unit/messages.hpp"
 #include "unit/paper_run.hpp"
@@ -106,6 +110,46 @@ TEST_F(PredictionTest, DoesNotExistBehindAnExternalVehicle) {
   EXPECT_EQ(prediction.followers_with_theory, 0u);
   EXPECT_TRUE(std::isnan(prediction.variance[0]));
   EXPECT_EQ(prediction.stability.reason, "none, as vehicle_1, which the others follow, is external");
+}
+
+// Lost positions lack what the leader drove; a change of speed behind the run is none of it.
+TEST_F(PredictionTest, IsStationaryAtTheSpeedOfTheLastStepOfTheRun) {
+  configuration_.model = with_loss(with_loss_stage(configuration_.model), 0.1);
+  configuration_.run.steps = 50;
+  const auto at = [this](std::vector<SpeedChange> changes) {
+    configuration_.model.leader = LeaderProfile(std::move(changes), configuration_.model.sample_period);
+    return predict(configuration_);
+  };
+  const Prediction steady = at({{0, 20.0}}), later = at({{0, 20.0}, {49, 0.0}}), within = at({{0, 20.0}, {48, 0.0}});
+  EXPECT_EQ(later.stationary_variance, steady.stationary_variance);
+  EXPECT_EQ(later.stability.limit_variance, steady.stability.limit_variance);
+  EXPECT_LT(within.stationary_variance[0], 0.9 * steady.stationary_variance[0]);
+  const double period = configuration_.model.sample_period;
+  for (int k = -1; k < 200; ++k)
+    configuration_.model.recorded_leader.push_back(20.0 * period * std::min(static_cast<double>(k), 49.0));
+  EXPECT_NEAR(predict(configuration_).stationary_variance[0] / steady.stationary_variance[0], 1.0, 1e-9);
+}
+
+TEST_F(PredictionTest, WarnsByTheWholeTheoryOfTheRunUpToTheFirstExternalVehicle) {
+  configuration_.model = radio_platoon(0.5, 1e-6, 1e-6);
+  lose_inputs(configuration_.model, 0.3, {1.0});
+  for (VehicleType& type : configuration_.model.types) type.vehicle.inputs.back().link.loss->mean_burst = 3.0;
+  RunOptions& run = configuration_.run;
+  run.followers = 3;
+  run.steps = 300;
+  configuration_.model.leader = LeaderProfile({{0, 20.0}, {250, 0.0}}, configuration_.model.sample_period);
+  const auto speaks_of_a_late_step = [](const std::vector<std::string>& warnings) {
+    return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+      return warning.rfind("acceleration:", 0) == 0 && contains(warning, "(step 25");
+    });
+  };
+  EXPECT_FALSE(speaks_of_a_late_step(plausibility_warnings(configuration_))) << "of the first steps alone";
+  EXPECT_TRUE(speaks_of_a_late_step(predict(configuration_).warnings));
+  run.signals = {"speed", "acceleration"};
+  EXPECT_TRUE(speaks_of_a_late_step(predict(configuration_).warnings));
+  run.signals.clear();
+  run.external = {1};
+  EXPECT_TRUE(predict(configuration_).warnings.empty());
 }
 
 }  // namespace

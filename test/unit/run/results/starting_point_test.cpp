@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <numeric>
 
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "unit/run/results/checkpoint_fixture.hpp"
@@ -57,6 +58,18 @@ TEST_F(StartingPointTest, NamesAKeyThatOnlyOneConfigurationHas) {
   write(13);
   configuration_.model.default_vehicle().position().link.delay = 0;
   EXPECT_TRUE(contains(rejection(), "channel is {\"delay\":1} there and null here"));
+}
+
+TEST_F(StartingPointTest, NamesTheValueThatDiffersWithinALongOne) {
+  std::vector<double>& drive = configuration_.model.recorded_leader;
+  drive.assign(500, 0.0);
+  write(13);
+  drive[300] = 12.5;
+  EXPECT_TRUE(contains(rejection(), ": leader/positions/300 is 0.0 there and 12.5 here")) << rejection();
+  std::iota(drive.begin(), drive.end(), 1.0);
+  EXPECT_TRUE(contains(rejection(), "leader/positions/4 is 0.0 there and 5.0 here (and 495 more)")) << rejection();
+  drive.resize(400);
+  EXPECT_TRUE(contains(rejection(), "leader/positions is [0.0,0.0,")) << rejection();
 }
 
 TEST_F(StartingPointTest, RejectsAnotherConfigurationEvenOfTheSameLaunch) {
