@@ -46,6 +46,40 @@ class TableTest(unittest.TestCase):
             self.assertLessEqual(abs(float(number) - value), 0.51 * unit, text)
 
 
+class Keys(unittest.TestCase):
+    CAR = {"sample_period": 0.1, "time_headway": 5.0, "standstill_distance": 6.0, "plant": {"actuator_lag": 0.3},
+           "controller": {"kp": 0.35, "kd": 0.8}, "noise_variance": 0.1, "initial_position": {"mean": 0.0, "variance": 0.0},
+           "channel": {"noise_filter": {"numerator": [1, 0], "denominator": [1, -0.5]}, "loss": {"probability": 0.1}},
+           "limits": {"input": [-5, 2]}, "leader": {"speed": [{"from_step": 0, "value": 20.0}]},
+           "vehicle_types": {"other": {"time_headway": 6.0, "inputs": [{"signal": "position", "channel": {"packet": "one"}}]}}}
+
+    def allowed_at(self, path):
+        """The keys that the reader of a model names where it meets another one."""
+        document = json.loads(json.dumps(self.CAR))
+        place = document
+        for key in path:
+            place = place.setdefault(key, {}) if isinstance(key, str) else place[key]
+        place["other_key"] = 1
+        if "continuous" in path:
+            del document["plant"]["actuator_lag"]
+        with self.assertRaises(ValueError) as caught:
+            sp.Model.from_dict(document)
+        found = re.search("other_key: unknown key: allowed are ([a-z_, ]+)", str(caught.exception))
+        self.assertIsNotNone(found, caught.exception)
+        return found.group(1).split(", ")
+
+    def test_each_key_of_a_model_is_described(self):
+        with open(README) as file:
+            described = set(re.findall("[a-z_]+", " ".join(re.findall("```.*?```|`[^`]+`", file.read(), re.DOTALL))))
+        paths = ([], ["plant"], ["plant", "continuous"], ["controller"], ["channel"], ["channel", "loss"], ["channel", "loss", "markov"],
+                 ["channel", "noise_filter"], ["initial_position"], ["limits"], ["leader"], ["leader", "speed", 0],
+                 ["vehicle_types", "other"], ["vehicle_types", "other", "inputs", 0], ["vehicle_types", "other", "inputs", 0, "channel"])
+        for path in paths:
+            allowed = self.allowed_at(path)
+            self.assertGreater(len(allowed), 1, path)
+            self.assertEqual([key for key in allowed if key not in described], [], path)
+
+
 class ShippedControllers(TableTest):
     def test_each_row_is_what_analyze_says(self):
         columns, *rows = table_below("The shipped controllers, judged by `analyze`")
