@@ -84,7 +84,9 @@ ResultCell ResultCells::of(std::size_t follower, std::int64_t step) const {
   return {{result_.moments[c], prediction_.mean[c], prediction_.variance[c],
            prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
            over_time ? share_of(prediction_, result_, follower) : IndependentShare{},
-           fourth_moments_.empty() ? kNaN : fourth_moments_[c]},
+           !fourth_moments_.empty() ? fourth_moments_[c]
+           : prediction_.means_only ? kInfinity
+                                    : kNaN},
           follower,
           over_time ? result_.last_steps[c] : step};
 }
@@ -155,7 +157,7 @@ std::optional<Agreement> measured_agreement(const RunOptions& run, const Predict
     for (std::int64_t k = 0; k < (over_time ? 1 : run.steps); ++k) {
       const ResultCell of = cells.of(i, k);
       if (over_time && !has_score_over_time(of)) return std::nullopt;
-      prediction.means_only ? scores.add_mean(of) : scores.add(of);
+      scores.add(of);
     }
   }
   return scores.agreement();

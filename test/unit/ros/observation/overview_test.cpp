@@ -97,13 +97,14 @@ TEST_F(OverviewTest, OfALongCompleteRunHasSomeCellsAndTheLargestScoreOfAll) {
 TEST_F(OverviewTest, OfALongRunDoesNotScoreVariancesThatTheTheoryCannotJudge) {
   lose_packets({0.1, 2.0, {1.0}});
   make_long(300, 67);
-  RunResult result = this->result();
+  RunResult result = result_with_fourth_moments();
   for (const bool complete : {false, true}) {
     result.complete = complete;
     const auto overview = this->overview(result);
     EXPECT_EQ(overview.step.size(), 66U);
     EXPECT_TRUE(std::isfinite(overview.max_abs_z_mean));
     EXPECT_TRUE(std::isnan(overview.max_abs_z_variance)) << overview.max_abs_z_variance;
+    for (const double score : overview.variance_score) ASSERT_TRUE(std::isnan(score)) << score;
   }
 }
 

@@ -186,6 +186,16 @@ TEST_F(ReportTest, DisagreesByChanceNoMoreOftenThanStatedIfPacketsAreLost) {
   }
 }
 
+TEST_F(ReportTest, HasNoScoreOfAVarianceWhoseScatterIsUnknown) {
+  lose_packets({0.1, 2.0, {1.0}});
+  const std::string text = report_of(result_with_fourth_moments());
+  EXPECT_TRUE(contains(text, "agrees with the theory in the means: over all 6 (i, k)")) << text;
+  for (const char* row : {"\n       1 ", "\n       2 "}) {
+    const std::size_t begin = text.find(row) + 1;
+    EXPECT_EQ(text.substr(text.find('\n', begin) - 2, 2), " -") << text;
+  }
+}
+
 // A large measured variance does not widen its own bound so far that the verdict is lost.
 TEST_F(ReportTest, NoticesANoiseOfAnotherVarianceIfPacketsAreLost) {
   make_lossy(0.1, 0.6, {2.0, -1.0});
