@@ -202,13 +202,13 @@ class States(Fed):
         self.begin(20, vehicle_length=4.5)
         self.drive(range(BURN_IN, BURN_IN + 21))
         self.open()
-        self.text_comes("#conduct", "\N{CHECK MARK} The cars: no collision, no reversing; strongest acceleration so far ")
+        self.text_comes("#conduct", "\N{CHECK MARK} The cars: no collision or reversing seen; strongest acceleration seen ")
         of = snapshot(BURN_IN + 21, 20)
         of.position = [600.0 - 6.4 * i - (2.0 if i == 2 else 0.0) for i in range(21)]
         of.speed = [20.0] * 20 + [-3.0]
         self.state.take_snapshot(of)
         for _ in self.at_both_sizes("conduct"):
-            self.text_comes("#conduct", "\N{BALLOT X} The cars: follower 3 overlaps the vehicle ahead; follower 20 reverses; strongest acceleration so far -2")
+            self.text_comes("#conduct", "\N{BALLOT X} The cars: follower 3 overlaps the vehicle ahead; follower 20 reverses; strongest acceleration seen -2")
             self.assertEqual(self.browser.run("return document.getElementById('conduct').dataset.possible"), "false")
             self.wait_for_page("document.getElementById('road').dataset.overlaps === '3'", "the mark")
             self.assertEqual(self.browser.text("#body-length"), "gap below 0, length 4.5 m")

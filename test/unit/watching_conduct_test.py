@@ -59,17 +59,41 @@ class Conduct(unittest.TestCase):
         self.assertEqual((now["colliding"], now["collided"], now["possible"]), ([1], 1, False))
         later = self.taken((0, 1, touching, [5.0] * 3), (0, 2, apart, [5.0] * 3))
         self.assertEqual((later["colliding"], later["collided"], later["possible"]), ([], 1, False))
-        self.assertEqual(conduct.conduct_words(later)[:28], "1 follower overlapped earlie")
+        self.assertEqual(later["words"][:28], "1 follower overlapped earlie")
         self.assertEqual(self.taken((0, 1, touching, [5.0] * 3), lengths=(0.0,) * 3)["colliding"], [])
 
     def test_the_first_snapshot_is_news_whatever_the_cars_do(self):
         seen = conduct.Conduct([0.0, 0.0, 0.0, 0.0], 0.1)
         self.assertEqual([seen.take(snapshot(step)) for step in (0, 50, 100)], [True, False, False])
 
+    def test_what_was_not_seen_is_not_denied(self):
+        apart = [20.0, 10.0, 0.0]
+        self.assertEqual(self.taken((0, 1, apart, [5.0] * 3))["words"], "no collision or reversing seen")
+
+    def test_collisions_that_the_run_counts_are_known_though_no_snapshot_has_them(self):
+        known = state.PlatoonState()
+        changed = []
+        known.changed = changed.append
+        known.take_configuration(configuration())
+
+        def conduct_with(collisions):
+            changed.clear()
+            known.take_overview(overview(realizations=9000, collisions=collisions), 0.0)
+            self.assertIn("conduct", changed)
+            return known.document()["conduct"]
+        self.assertEqual(conduct_with([0, 0, 0])["words"], "no collision in 9000 realizations")
+        known.take_snapshot(snapshot(3))
+        self.assertEqual(conduct_with([0, 0, 0])["words"], "no collision in 9000 realizations; no reversing seen")
+        now = conduct_with([45, 0, 0])
+        self.assertEqual((now["words"], now["collided"], now["possible"]), ("a collision in 45 of 9000 realizations (follower 1)", 1, False))
+        now = conduct_with([4, 5, 0])
+        self.assertEqual((now["words"], now["collided"]), ("a collision in 5 of 9000 realizations (follower 2, the most)", 2))
+        self.assertIn("Now: a collision in 5 of 9000", " ".join(table.table(known.document(), 24)))
+
     def test_a_follower_that_drives_backwards_reverses(self):
         apart = [20.0, 10.0, 0.0]
         self.assertEqual(self.taken((0, 1, apart, [0.0, -0.05, -0.2]))["reversing"], [2])
-        self.assertIn("followers 1, 2 reverse", conduct.conduct_words(self.taken((0, 1, apart, [0.0, -1.0, -2.0]))))
+        self.assertIn("followers 1, 2 reverse", self.taken((0, 1, apart, [0.0, -1.0, -2.0]))["words"])
 
     def test_the_strongest_acceleration_is_over_the_time_between_two_snapshots(self):
         apart = [20.0, 10.0, 0.0]

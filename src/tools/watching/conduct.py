@@ -1,4 +1,4 @@
-"""What the vehicles of a run do, from its snapshots: collisions, reversing, accelerations."""
+"""What the vehicles of a run do: collisions, reversing, accelerations in its snapshots, and its count of collisions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ APART = 5  # steps between two snapshots over which an acceleration is formed at
 
 
 class Conduct:
-    """The conduct of followers 1 .. N, now and since the run began. Snapshots are thinned: between them more may have happened."""
+    """The conduct of followers 1 .. N, now and before. Snapshots are thinned, of single realizations, and missing before this program
+    began: what they lack may have happened. Only a count of collisions covers every realization."""
 
     def __init__(self, lengths: Sequence[float], sample_period: float) -> None:
         self.lengths, self.sample_period = lengths, sample_period  # of vehicles 0 .. N [m]; T_s [s]
@@ -21,9 +22,15 @@ class Conduct:
         self.strongest: Optional[Dict[str, float]] = None  # acceleration [m/s^2] of the largest modulus so far
         self.colliding: List[int] = []
         self.reversing: List[int] = []
+        self.realizations = 0
+        self.collisions: Sequence[int] = []  # realizations with a collision of each follower; empty if they are not counted
+
+    def count(self, collisions: Sequence[int], realizations: int) -> None:
+        """Takes the collisions that the run has counted so far."""
+        self.collisions, self.realizations = collisions, realizations
 
     def take(self, message: Any) -> bool:
-        """Takes a Snapshot; whether it is the first one, or has changed the document."""
+        """Takes a Snapshot; whether it has changed the document."""
         known = self.document()
         position, speed = message.position, message.speed
         self.colliding = [i for i in range(1, len(position)) if position[i - 1] - position[i] < self.lengths[i - 1]]
@@ -38,13 +45,31 @@ class Conduct:
         for i, acceleration in enumerate(self.acceleration):
             if i > 0 and (self.strongest is None or abs(acceleration) > abs(self.strongest["acceleration"])):
                 self.strongest = {"acceleration": float("{:.3g}".format(acceleration)), "follower": i, "step": message.step}
-        return before is None or self.document() != known
+        return self.document() != known
 
-    def document(self) -> Dict[str, Any]:
-        """Followers that collide and reverse now, how many have done so, and the acceleration of the largest modulus so far."""
+    def document(self) -> Optional[Dict[str, Any]]:
+        """Followers that collide and reverse now, how many have done so, the acceleration of the largest modulus so far, and all of it
+        in words. None as long as nothing is known."""
+        if self.before is None and not self.collisions:
+            return None
         impossible = self.strongest is not None and abs(self.strongest["acceleration"]) > HARDEST
-        return {"colliding": self.colliding, "reversing": self.reversing, "collided": len(self.collided), "reversed": len(self.reversed),
-                "strongest": self.strongest, "possible": not (self.collided or self.reversed or impossible)}
+        collided = self.collided.union(i for i, count in enumerate(self.collisions, 1) if count)
+        return {"colliding": self.colliding, "reversing": self.reversing, "collided": len(collided), "reversed": len(self.reversed),
+                "strongest": self.strongest, "possible": not (collided or self.reversed or impossible), "words": self.words()}
+
+    def words(self) -> str:
+        """The conduct in one sentence, which denies nothing that may have been missed."""
+        most, shared = max(self.collisions, default=0), sum(map(bool, self.collisions)) > 1
+        counted = "a collision in {} of {} realizations (follower {}{})".format(
+            most, self.realizations, self.collisions.index(most) + 1, ", the most" if shared else "") if most else ""
+        words = [done("overlaps the vehicle ahead", "overlap the vehicles ahead", "overlapped", self.colliding, set() if most else self.collided),
+                 counted, done("reverses", "reverse", "reversed", self.reversing, self.reversed)]
+        if not any(words):
+            words = ["no collision in {} realizations".format(self.realizations), "no reversing seen" if self.before else ""] if self.collisions else [
+                "no collision or reversing seen"]
+        if self.strongest:
+            words.append("strongest acceleration seen {acceleration:+.3g} m/s\N{SUPERSCRIPT TWO} (follower {follower})".format(**self.strongest))
+        return "; ".join(filter(None, words))
 
 
 def numbered(followers: Sequence[int]) -> str:
@@ -52,17 +77,8 @@ def numbered(followers: Sequence[int]) -> str:
     return "follower{} {}{}".format("s" if followers[1:] else "", ", ".join(str(i) for i in followers[:5]), ", ..." if followers[5:] else "")
 
 
-def conduct_words(of: Dict[str, Any]) -> str:
-    """The conduct in one sentence."""
-    words = []
-    for now, ever, doing, done in (("colliding", "collided", ("overlaps the vehicle ahead", "overlap the vehicles ahead"), "overlapped"),
-                                   ("reversing", "reversed", ("reverses", "reverse"), "reversed")):
-        if of[now]:
-            words.append("{} {}".format(numbered(of[now]), doing[len(of[now]) > 1]))
-        elif of[ever]:
-            words.append("{} follower{} {} earlier".format(of[ever], "s" if of[ever] > 1 else "", done))
-    if not words:
-        words.append("no collision, no reversing")
-    if of["strongest"]:
-        words.append("strongest acceleration so far {acceleration:+.3g} m/s\N{SUPERSCRIPT TWO} (follower {follower})".format(**of["strongest"]))
-    return "; ".join(words)
+def done(does: str, do: str, did: str, now: Sequence[int], ever: Set[int]) -> str:
+    """What followers do now, else how many have done it; empty if none."""
+    if now:
+        return "{} {}".format(numbered(now), do if now[1:] else does)
+    return "{} follower{} {} earlier".format(len(ever), "s" if len(ever) > 1 else "", did) if ever else ""

@@ -10,7 +10,7 @@ import math
 import threading
 from typing import Any, Callable, Deque, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
-from .conduct import Conduct, conduct_words
+from .conduct import Conduct
 from .description import described, start_of
 from .events import EventLog, is_paused
 from .history import Rate, ThinnedHistory
@@ -120,7 +120,7 @@ class PlatoonState:
                 self.events.add_run(known, known)
             self.early = None
             self.add_overview(message, now)
-        self.report("statistics", "curves", "health")
+        self.report("statistics", "curves", "health", *(("conduct",) if message.collisions else ()))
 
     def add_overview(self, message: Any, now: float) -> None:
         self.run, self.overview = message.run, message
@@ -132,6 +132,8 @@ class PlatoonState:
                 self.begin_history()
             self.began, self.start = message, None
         endless = message.time_average
+        if self.conducted is not None:
+            self.conducted.count(message.collisions, message.realizations)
         self.rate.saw(message.step[-1] if endless else message.realizations, now)
         if endless and any(map(math.isfinite, message.mean)):
             self.history.add(message.step[-1], (self.of_drawn(message.mean), self.of_drawn(message.variance)))
@@ -198,11 +200,8 @@ class PlatoonState:
 
     @property
     def conduct(self) -> Optional[Dict[str, Any]]:
-        """What the vehicles do; None before the first snapshot."""
-        if self.conducted is None or self.conducted.before is None:
-            return None
-        of = self.conducted.document()
-        return dict(of, words=conduct_words(of))
+        """What the vehicles do; None as long as nothing is known."""
+        return None if self.conducted is None else self.conducted.document()
 
     @property
     def log(self) -> List[Dict[str, Any]]:
