@@ -88,6 +88,21 @@ class States(Fed):
         self.begin(5)
         self.text_comes("output[for=noise_variance]", "0.6")
 
+    def test_sliders_show_what_the_vehicles_of_the_string_have_and_those_that_change_none_are_hidden(self):
+        self.begin(7, **sp.Model.load("cars_and_trucks.yaml").to_dict())
+        self.drive(range(BURN_IN, BURN_IN + 20))
+        self.open()
+        self.text_comes("output[for=loss]", "0 to 0.1")
+        self.text_comes("output[for=headway]", "3.5 to 4 = 70 to 80 samples")
+        self.browser.run("const slider = document.getElementById('loss'); slider.value = 0.2; slider.dispatchEvent(new Event('input'))")
+        self.assertEqual(self.browser.text("output[for=loss]"), "0.2")
+        self.begin(7, **sp.Model.load("by_distance.yaml").to_dict())
+        self.text_comes("output[for=loss]", "\N{EN DASH}")
+        self.begin(7, vehicle_types={"a": {"time_headway": 5.0, "noise_variance": 0.1}}, string=["a"])
+        self.wait_for_page("document.getElementById('headway').closest('label').hidden", "no headway to change")
+        self.assertTrue(self.browser.run("return document.getElementById('noise_variance').closest('label').hidden"))
+        self.assertFalse(self.browser.run("return document.getElementById('loss').closest('label').hidden"))
+
     def test_all_vehicles_are_in_sight_while_a_stop_travels_along_the_string(self):
         self.begin(20, vehicle_length=4.5)
         self.drive(range(BURN_IN, BURN_IN + 11))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional, Sequence, Set
+from typing import Any, Dict, List, Optional, Sequence, Set, Union
 
 import stochastic_platoon as sp
 from stochastic_platoon.model import FASTEST_CAR
 
 
+MOST_LINKS = 4  # unlike ones in a text
+SMALL = 1e-6    # change of a value that keeps every vehicle stable
+
+
 def channel_words(channel: Dict[str, Any], unit: str) -> List[str]:
-    words = ["additive noise" if not channel.get("noise_filter") else "coloured noise"]
+    colour = channel.get("noise_filter", {})
+    words = ["additive noise" if colour.get("numerator") == colour.get("denominator") else "coloured noise"]
     if channel.get("quantisation_step"):
         words.append("quantised to {:g} {}".format(channel["quantisation_step"], unit))
     if channel.get("delay"):
@@ -24,23 +29,27 @@ def channel_words(channel: Dict[str, Any], unit: str) -> List[str]:
     return words
 
 
-def radio_of(model: Dict[str, Any]) -> Optional[Dict[str, Any]]:
-    """The default vehicle's input by radio; None without one."""
-    return next((of for of in model.get("inputs", []) if of["signal"] == "input"), None)
+def vehicles_of(model: Dict[str, Any], followers: int) -> Dict[str, Dict[str, Any]]:
+    """The keys of the model file for each type among the followers, by name: its own in place of the default ones. A type with
+    inputs of its own has no other channel than theirs."""
+    found: Dict[str, Dict[str, Any]] = {}
+    for name in model.get("string", ["default"])[:followers]:
+        own = model.get("vehicle_types", {}).get(name, {})
+        found[name] = {**{key: value for key, value in model.items() if key != "channel" or "inputs" not in own}, **own}
+    return found
 
 
-def inputs_of(model: Dict[str, Any], follower: int) -> List[Dict[str, Any]]:
-    """What a follower hears, as in the model file; empty if it hears its predecessor's position alone."""
+def vehicle_of(model: Dict[str, Any], follower: int) -> Dict[str, Any]:
+    """The keys of the model file for one follower."""
     string = model.get("string", ["default"])
-    own = model.get("vehicle_types", {}).get(string[(follower - 1) % len(string)], {})
-    inputs: List[Dict[str, Any]] = own.get("inputs", model.get("inputs", []))
-    return inputs
+    vehicle, = vehicles_of(dict(model, string=[string[(follower - 1) % len(string)]]), 1).values()
+    return vehicle
 
 
 def sources_of(model: Dict[str, Any], follower: int) -> List[int]:
     """The vehicles that a follower hears, from the leader on."""
     ahead = {"predecessor": 1, "leader": follower}
-    heard = [of.get("from", "predecessor") for of in inputs_of(model, follower)] or ["predecessor"]
+    heard = [of.get("from", "predecessor") for of in vehicle_of(model, follower).get("inputs", [])] or ["predecessor"]
     return sorted({max(follower - ahead.get(of, of), 0) for of in heard})
 
 
@@ -57,17 +66,79 @@ def input_words(of: Dict[str, Any]) -> str:
     return "{} of {} ({})".format(of["signal"], source, ", ".join(channel_words(of.get("channel", {}), unit)))
 
 
-def link_of(model: Dict[str, Any]) -> str:
-    """A text that describes the links of the default vehicle."""
-    if hears_others(model) or any("weight" in of for of in model.get("inputs", [])):
-        words = ["hears " + "; ".join(map(input_words, model["inputs"]))] if "inputs" in model else []
-        return ", ".join(words + (["mixed string"] if model.get("vehicle_types") else []))
-    words, radio = channel_words(model.get("channel", {}), "m"), radio_of(model)
+def link_of_vehicle(vehicle: Dict[str, Any], every_input: bool) -> str:
+    """A text that describes the links of a vehicle: of every input by its source, or of position and radio of its predecessor."""
+    inputs = vehicle.get("inputs", [{"signal": "position", "channel": vehicle.get("channel", {})}])
+    if every_input:
+        return "hears " + "; ".join(map(input_words, inputs))
+    position, radio = (next((of for of in inputs if of["signal"] == signal), None) for signal in ("position", "input"))
+    words = channel_words((position or {}).get("channel", vehicle.get("channel", {})), "m")
     if radio:
-        words.append("radio with " + ", ".join(channel_words(radio["channel"], "m/s²")))
-    if model.get("vehicle_types"):
-        words.append("mixed string")
+        words.append("radio with " + ", ".join(channel_words(radio.get("channel", {}), "m/s²")))
     return ", ".join(words)
+
+
+def link_of(model: Dict[str, Any], followers: int) -> str:
+    """A text that describes the links of the string's vehicles, unlike ones each with their types."""
+    vehicles = vehicles_of(model, followers)
+    every_input = hears_others(model) or any("weight" in of for vehicle in vehicles.values() for of in vehicle.get("inputs", []))
+    types: Dict[str, List[str]] = {}
+    for name, vehicle in vehicles.items():
+        types.setdefault(link_of_vehicle(vehicle, every_input), []).append(name)
+    if len(types) == 1:
+        return ", ".join([*types, *(["mixed string"] if len(vehicles) > 1 else [])])
+    shown = ["{} ({})".format(words, ", ".join(names[:3]) + (", ..." if names[3:] else "")) for words, names in types.items()]
+    return "mixed string: " + "; ".join(shown if len(shown) <= MOST_LINKS else shown[:2] + ["{} other links".format(len(shown) - 2)])
+
+
+Figure = Union[None, float, List[float]]  # of all vehicles: none, the same, or the least and the greatest
+
+
+def figure_of(values: Sequence[float]) -> Figure:
+    least, most = min(values, default=None), max(values, default=None)
+    return least if least is None or most is None or least == most else [least, most]
+
+
+def headway_of(vehicles: Sequence[Dict[str, Any]]) -> Figure:
+    """Headway [sample periods] of the vehicles that have one; 0 if all spacing is constant."""
+    return figure_of([of["time_headway"] for of in vehicles if of.get("spacing") != "constant"] or [0.0])
+
+
+def noise_variance_of(vehicles: Sequence[Dict[str, Any]]) -> Figure:
+    """Noise variance [m^2] of the positions that the vehicles hear."""
+    return figure_of([position.get("noise_variance", vehicle.get("noise_variance")) for vehicle in vehicles
+                      for position in vehicle.get("inputs", [{"signal": "position"}]) if position["signal"] == "position"])
+
+
+def losses_of(vehicle: Dict[str, Any]) -> List[Dict[str, Any]]:
+    channels = [vehicle.get("channel", {}), *(of.get("channel", {}) for of in vehicle.get("inputs", []))]
+    return [channel["loss"] for channel in channels if channel.get("loss")]
+
+
+def loss_of(vehicles: Sequence[Dict[str, Any]]) -> Figure:
+    """Loss probability of the links that lose, 0 for a vehicle without one; None where losses have another form."""
+    losses = [of for vehicle in vehicles for of in losses_of(vehicle) or [{"probability": 0.0}]]
+    return figure_of([of["probability"] for of in losses]) if all("probability" in of for of in losses) else None
+
+
+def changeable_of(model: sp.Model, followers: int) -> Dict[str, Optional[float]]:
+    """What a change of the run may alter, with the default vehicle's values: what no follower has from the default vehicle is left out.
+    None for losses that no probability describes."""
+    document, default = model.to_dict(), model.vehicle(0)
+    is_probability = all("probability" in of for of in losses_of(document))
+    values = {"headway": default.time_headway, "noise_variance": default.noise_variance, "loss": default.loss_probability or 0.0}
+
+    def followers_with(key: str, value: float) -> List[Dict[str, Any]]:
+        return list(vehicles_of(model.replace({key: value}).to_dict(), followers).values())
+
+    def changes(key: str, value: float) -> bool:
+        try:
+            # Two other values: either may be the present one of every type.
+            return followers_with(key, value + SMALL) != followers_with(key, value + 2.0 * SMALL)
+        except ValueError:  # constant spacing has no headway
+            return False
+
+    return {key: value if key != "loss" or is_probability else None for key, value in values.items() if changes(key, value)}
 
 
 def in_seconds(model: Dict[str, Any]) -> bool:
@@ -86,13 +157,13 @@ def described(text: str) -> Dict[str, Any]:
     """The fields of a configuration that the page shows. Raises ValueError if another version wrote it."""
     configuration = sp.Configuration.parse(text)
     vehicle, model, run = configuration.model.vehicle(0), configuration.model.to_dict(), configuration.run
-    channels = [of.get("channel", {}) for of in [model, *model.get("inputs", [])]]
+    vehicles = list(vehicles_of(model, run["followers"]).values())
     return {"followers": run["followers"], "steps": run["steps"], "realizations_wanted": run["realizations"],
             "rate_wanted": run["rate"], "seed": run["seed"], "hosting": run["hosting"], "endless": run["steps"] == 0,
             "burn_in": run["burn_in"], "spacing": configuration.model.spacing, "noise": configuration.model.noise,
-            "headway": vehicle.time_headway, "headway_in_seconds": in_seconds(model),
-            "noise_variance": vehicle.noise_variance,
-            "loss": vehicle.loss_probability if any("probability" in of.get("loss", {}) for of in channels) else None, "link": link_of(model),
+            "headway": headway_of(vehicles), "headway_in_seconds": in_seconds(model), "noise_variance": noise_variance_of(vehicles),
+            "loss": loss_of(vehicles), "changeable": changeable_of(configuration.model, run["followers"]) if run["steps"] == 0 else None,
+            "link": link_of(model, run["followers"]),
             "standstill_distance": vehicle.standstill_distance, "sample_period": configuration.model.sample_period,
             "manoeuvres": configuration.model.manoeuvres(), "fastest_car": FASTEST_CAR,
             "vehicle_lengths": lengths_of(configuration.model, "vehicle_types" in model, run["followers"]),

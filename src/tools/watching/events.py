@@ -19,9 +19,14 @@ def is_paused(overview: Any) -> bool:
 
 def shown(configuration: Dict[str, Any], key: str, unit: Optional[str]) -> str:
     value = configuration[key]
-    if unit is None:
-        return "{:g} s ({:g} sample periods)".format(value * configuration["sample_period"], value)
-    return "none" if value is None else (value if isinstance(value, str) else "{:g}".format(value)) + unit
+    if isinstance(value, str):
+        return value
+    ends = value if isinstance(value, list) else [value]
+
+    def words(scale: float) -> str:
+        return " to ".join("{:g}".format(scale * end) for end in ends)
+
+    return words(1.0) + unit if unit is not None else "{} s ({} sample periods)".format(words(configuration["sample_period"]), words(1.0))
 
 
 class EventLog:
@@ -44,11 +49,11 @@ class EventLog:
 
     def add_run(self, before: Optional[Dict[str, Any]], now: Dict[str, Any]) -> None:
         """Adds another configuration: see description.described()."""
-        if before is None:
-            changes = [name + " " + shown(now, key, unit) for key, name, unit in CHANGES
-                       if now[key] is not None and (key != "headway" or now[key] > 0.0)]  # constant spacing has no headway
+        known = [row for row in CHANGES if now[row[0]] is not None and (before is None or before[row[0]] is not None)]
+        if before is None:  # constant spacing has no headway
+            changes = [name + " " + shown(now, key, unit) for key, name, unit in known if key not in ("headway", "loss") or now[key]]
         else:
-            changes = ["{} {} -> {}".format(name, shown(before, key, unit), shown(now, key, unit)) for key, name, unit in CHANGES
+            changes = ["{} {} -> {}".format(name, shown(before, key, unit), shown(now, key, unit)) for key, name, unit in known
                        if before[key] != now[key]]
         self.add("run", "a run with " + ", ".join(changes) if changes else "another run with the same configuration")
 

@@ -7,7 +7,7 @@ const HEADWAYS = { samples: { unit: "[T<sub>s</sub>]", min: 0.5, max: 6, step: 0
 const NOISES = { max: 2, step: 0.05 };  // [m^2]
 const input = name => document.getElementById(name);
 
-const bounds = ([low, high]) => `${short(low)} to ${short(high)}`;
+const bounds = ([low, high], digits) => `${short(low, digits)} to ${short(high, digits)}`;
 
 // What each order does, in real units, within the limits of the leader.
 function effects({ speed, acceleration, brake, accelerate, sinusoid, cruise }, fastestCar) {
@@ -24,17 +24,19 @@ function effects({ speed, acceleration, brake, accelerate, sinusoid, cruise }, f
 export class Controls {
   constructor() {
     this.answer = document.getElementById("answer");
-    this.set = {};
+    this.set = {};    // the values of the sliders, in their units
+    this.shown = {};  // those of the vehicles: one, the least and the greatest, or none
     for (const button of document.querySelectorAll("[data-command]")) button.addEventListener("click", () => this.send(button.dataset.command));
     for (const name of CHANGES) input(name).addEventListener("input", () => this.showChange(name));
     document.getElementById("controls").addEventListener("submit", event => event.preventDefault());
   }
 
   showChange(name) {
-    // A slider that was not moved shows the value of the run, not the nearest one of its own.
-    const slider = input(name), value = slider.value === this.nearest(name) ? short(this.set[name], 4) : slider.value, other = name !== "headway" || !this.period ? "" :
-      this.inSeconds ? ` = ${short(value / this.period)} samples` : ` = ${short(value * this.period)} s`;
-    document.querySelector(`output[for=${name}]`).textContent = value + other;
+    // A slider that was not moved shows the value of the run, of unlike vehicles the least and the greatest, not the nearest one of its own.
+    const slider = input(name), ends = slider.value === this.nearest(name) ? this.shown[name] : [Number(slider.value)];
+    const words = (digits, scale) => new Set(ends).size > 1 ? bounds(ends.map(end => end * scale), digits) : ends.length ? short(ends[0] * scale, digits) : "–";
+    const other = name !== "headway" || !this.period ? "" : this.inSeconds ? ` = ${words(3, 1 / this.period)} samples` : ` = ${words(3, this.period)} s`;
+    document.querySelector(`output[for=${name}]`).textContent = words(4, 1) + other;
   }
 
   // Sets the sliders to the values of the run.
@@ -47,12 +49,14 @@ export class Controls {
     const { unit, ...range } = this.inSeconds ? HEADWAYS.seconds : HEADWAYS.samples;
     input("headway-unit").innerHTML = unit;
     Object.assign(input("headway"), range);
-    input("headway").closest("label").hidden = !configuration?.headway;  // constant spacing has none
     this.marked = null;  // redraw the marks: the slider's range may change
     document.getElementById("controls-note").textContent = endless || !configuration ? "" :
       "Only an endless run (live.launch) accepts orders: this one averages over realizations, which have to be alike.";
     for (const name of CHANGES) {
-      this.set[name] = (configuration?.[name] ?? 0) * (name === "headway" ? this.headwayUnit() : 1);
+      const unit = name === "headway" ? this.headwayUnit() : 1, changeable = configuration?.changeable?.[name], present = configuration?.[name] ?? [];
+      input(name).closest("label").hidden = endless && changeable === undefined;  // no vehicle would change, as with constant spacing
+      this.set[name] = (changeable ?? 0) * unit;
+      this.shown[name] = [present].flat().map(value => value * unit);
       const slider = input(name), small = this.set[name] > 0 && this.set[name] < NOISES.max / 10;
       if (name === "noise_variance") Object.assign(slider, small ? { max: 4 * this.set[name], step: this.set[name] / 20 } : NOISES);
       if (this.set[name] > Number(slider.max)) slider.max = 2 * this.set[name];
