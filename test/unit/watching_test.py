@@ -168,19 +168,6 @@ class State(unittest.TestCase):
         restarts = [event["text"].split(":")[0] for event in self.state.document()["events"] if event["kind"] == "restart"]
         self.assertEqual(restarts, ["attempts 2 to 4", "attempt 5", "attempts 2 to 3", "attempt 4"])
 
-    def test_averages_are_paused_during_a_manoeuvre_and_a_burn_in_behind_it(self):
-        self.state.take_configuration(configuration(3, 0))
-        known = []
-        for step, manoeuvre, counted_from in ((290, False, 200), (300, True, 501), (310, True, 511), (320, False, 520), (519, False, 520), (520, False, 520)):
-            self.state.take_overview(endless(3, step, manoeuvre=manoeuvre, counted_from=counted_from), 0.0)
-            known.append((self.state.document()["manoeuvre"], self.state.document()["paused_until"]))
-        self.assertEqual(known, [(False, None), (True, 501), (True, 511), (False, 520), (False, 520), (False, None)])
-        self.assertEqual(self.texts()[-3:], ["the leader manoeuvres: averages are paused", "the manoeuvre is over: averages go on at step 520",
-                                             "averages go on"])
-        self.state.take_overview(endless(3, 600, counted_from=800), 0.0)  # it began and ended between two overviews
-        self.assertEqual(self.texts()[-2:], ["the leader manoeuvres: averages are paused", "the manoeuvre is over: averages go on at step 800"])
-        self.assertIn("averages over time up to 60 s (step 600), burn-in: paused until 80 s (step 800)", table.table(self.state.document(), 24)[2])
-
     def test_changes_orders_and_the_end_of_a_run_are_events(self):
         self.state.take_overview(overview(complete=True), 0.0)
         self.state.take_order("the leader brakes")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import math
 import time
 from typing import Any, Deque, Dict, Optional
 
@@ -15,6 +16,11 @@ CHANGES = (("followers", "followers", ""), ("headway", "headway", None), ("noise
 def is_paused(overview: Any) -> bool:
     """Whether averages over time exclude the present errors of some follower."""
     return bool(overview.time_average and overview.attempt > 0 and overview.step[-1] < overview.counted_from)
+
+
+def continuation(overview: Any) -> str:
+    """What averages over time do behind this pause. During the first one, some followers have an average before the others."""
+    return "go on" if all(map(math.isfinite, overview.mean)) else "begin"
 
 
 def shown(configuration: Dict[str, Any], key: str, unit: Optional[str]) -> str:
@@ -69,9 +75,9 @@ class EventLog:
         if departed and not (before and before.manoeuvre):
             self.add("manoeuvre", "the leader manoeuvres: averages are paused", now.step[-1])
         if not now.manoeuvre and not began_again and (departed or (before and before.manoeuvre)):
-            self.add("manoeuvre", "the manoeuvre is over: averages go on at step {}".format(now.counted_from), now.step[-1])
+            self.add("manoeuvre", "the manoeuvre is over: averages {} at step {}".format(continuation(now), now.counted_from), now.step[-1])
         elif before and is_paused(before) and not is_paused(now):
-            self.add("averages", "averages go on" if any(value == value for value in before.mean) else "averages begin", now.step[-1])
+            self.add("averages", "averages " + continuation(before), now.step[-1])
         if now.complete and not (before and before.complete):
             self.add("run", "complete")
         return began_again

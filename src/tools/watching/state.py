@@ -230,12 +230,17 @@ class PlatoonState:
                 **{name: numbers(getattr(of, name)) for name in ("standard_error", *GAPS)},
                 "score": numbers(of.variance_score), "max_abs_z": finite(max(scores)) if scores else None,
                 "step": of.step[-1] if is_measured else None, "latest_step": of.step[-1] if of.attempt else None,
-                "provisional": {"step": of.step[-1], "mean": numbers(of.provisional_mean), "variance": numbers(of.provisional_variance)}
+                "provisional": {"step": self.provisional_end(of), "mean": numbers(of.provisional_mean), "variance": numbers(of.provisional_variance)}
                                if of.provisional_mean else None,
                 "restarts": self.restarts, "paused_until": of.counted_from if is_paused(of) else None,
                 "string_stable": of.string_stable if of.theory == "exact" and not of.undecided else None,
                 "stable_headways": list(zip(of.stable_headways[::2], of.stable_headways[1::2])),
                 "vehicle_steps_per_second": None if per_second is None or of.complete else per_second * work, "seconds_left": left}
+
+    def provisional_end(self, of: Any) -> Optional[int]:
+        """The step that all provisional averages have reached. None, as no message has it, until a manoeuvre has left the string."""
+        assert self.configuration is not None
+        return None if of.manoeuvre or of.step[-1] < of.counted_from - self.configuration["burn_in"] else of.step[-1]
 
     @property
     def curves(self) -> Optional[Dict[str, Any]]:

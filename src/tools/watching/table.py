@@ -39,7 +39,7 @@ def heading(state: Dict[str, Any]) -> List[str]:
     if state["provisional"]:
         step, until = state["provisional"]["step"], state["paused_until"]
         second = "~ provisional averages{}, replaced when the burn-in is over{}".format(
-            ", paused while the leader manoeuvres" if state["manoeuvre"] else " up to " + time_of_step(state, step), "" if until is None else ": at the earliest at " + time_of_step(state, until))
+            ", paused while the leader manoeuvres" if state["manoeuvre"] else "" if step is None else " up to " + time_of_step(state, step), "" if until is None else ": at the earliest at " + time_of_step(state, until))
     elif at is None:
         second = "nothing is measured yet" + (" (burn-in: {:.3g} s of driving, {} steps)".format(
             state["burn_in"] * period, state["burn_in"]) if state["endless"] else "")
@@ -47,9 +47,8 @@ def heading(state: Dict[str, Any]) -> List[str]:
             second += ": realization {} at {:.6g} s of {}".format(
                 state["present"]["realization"], state["present"]["step"] * period, time_of_step(state, state["steps"] - 1))
     elif state["time_average"]:
-        second = "averages over time up to {}".format(at)
-        if state["paused_until"] is not None:
-            second += ", {}: paused until {}".format("manoeuvre" if state["manoeuvre"] else "burn-in", time_of_step(state, state["paused_until"]))
+        second = "averages over time" + (" up to " + at if state["paused_until"] is None else ", {}: paused until {}".format(
+            "manoeuvre" if state["manoeuvre"] else "burn-in", time_of_step(state, state["paused_until"])))
     else:
         second = "{}, {} of {} realizations".format(at, state["realizations"], state["realizations_wanted"])
         if state["max_abs_z"] is not None:

@@ -17,7 +17,7 @@ function averagesOf(of, run, health) {
   if (until === null) return of.step === null ? `theory; burn-in of ${seconds(run.burn_in, run)} (${run.burn_in} steps)` : `averages over time up to ${atStep(of.step, run)}`;
   const end = `until ${atStep(until, run)}, in ${seconds(until - of.latest_step, run)} of driving`;
   if (early) return of.manoeuvre ? `provisional averages, paused while the leader manoeuvres: burn-in at the earliest ${end}` :
-    `provisional averages up to ${atStep(early.step, run)}: burn-in ${end}`;
+    `provisional averages${early.step === null ? "" : ` up to ${atStep(early.step, run)}`}: burn-in ${end}`;
   if (of.step === null) return `theory; burn-in ${end}`;
   return of.manoeuvre ? `averages paused: the leader manoeuvres; at the earliest ${end}` : `averages paused: burn-in after a manoeuvre or restart, ${end}`;
 }
