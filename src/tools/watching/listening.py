@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
 import types
@@ -53,7 +54,10 @@ def observe(program: str, namespace: str) -> PlatoonState:
     """The state of a platoon, without the received positions, for a program beside the launch. Raises ValueError without a master."""
     if not rosgraph.is_master_online():
         raise ValueError("there is no ROS master at {}: launch a platoon, or set ROS_MASTER_URI".format(rosgraph.get_master_uri()))
-    rospy.init_node(program, anonymous=True, disable_rosout=True)
+    # A signal ends the program until it is registered: rospy's handlers may wait forever for a lock that the interrupted call holds.
+    rospy.init_node(program, anonymous=True, disable_rosout=True, disable_signals=True)
     state = PlatoonState(namespace=namespace.strip("/"))
     listen(state, received=False)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: rospy.signal_shutdown("signal"))
     return state
