@@ -83,6 +83,10 @@ class Strings(unittest.TestCase):
         found = self.described("lossy.yaml", {"vehicle_types": types, "string": ["a"]})
         self.assertEqual((found["link"], found["loss"], found["noise_variance"]), ("additive noise", 0.0, 0.1))
 
+    def test_keys_of_the_default_vehicle_that_a_type_does_not_use_change_none(self):
+        own = {"a": {"inputs": [{"signal": "position", "noise_variance": 0.1}], "spacing": "constant"}}
+        self.assertEqual(self.described("cacc.yaml", {"vehicle_types": own, "string": ["a"], "loss": 0.1})["changeable"], {})
+
     def test_losses_of_another_form_are_no_probability(self):
         for loss in ({"by_distance": [[20.0, 0.01], [100.0, 0.2]], "on_loss": "hold"},
                      {"markov": {"transition": [[0.9, 0.1], [0.3, 0.7]], "probability": [0.02, 0.7]}, "on_loss": "hold"}):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional, Sequence, Set, Union
+from typing import Any, Dict, List, Optional, Sequence, Set, Tuple, Union
 
 import stochastic_platoon as sp
 from stochastic_platoon.model import FASTEST_CAR
@@ -128,15 +128,18 @@ def changeable_of(model: sp.Model, followers: int) -> Dict[str, Optional[float]]
     is_probability = all("probability" in of for of in losses_of(document))
     values = {"headway": default.time_headway, "noise_variance": default.noise_variance, "loss": default.loss_probability or 0.0}
 
-    def followers_with(key: str, value: float) -> List[Dict[str, Any]]:
-        return list(vehicles_of(model.replace({key: value}).to_dict(), followers).values())
+    def followers_with(key: str, value: float) -> List[Tuple[float, float, Optional[float]]]:
+        vehicles = map(model.replace({key: value}).vehicle, range(1, min(followers, len(document.get("string", ["default"]))) + 1))
+        return [(of.time_headway, of.noise_variance, of.loss_probability) for of in vehicles]
 
     def changes(key: str, value: float) -> bool:
+        if key == "headway" and not value:
+            return False  # constant spacing has none
         try:
             # Two other values: either may be the present one of every type.
             return followers_with(key, value + SMALL) != followers_with(key, value + 2.0 * SMALL)
-        except ValueError:  # constant spacing has no headway
-            return False
+        except ValueError:
+            return True  # the answer to the order has the reason
 
     return {key: value if key != "loss" or is_probability else None for key, value in values.items() if changes(key, value)}
 
