@@ -7,6 +7,7 @@ import csv
 import json
 import math
 import os
+import pathlib
 import unittest
 
 import numpy as np
@@ -107,6 +108,20 @@ class Recorded(LaunchTest):
         self.assertFalse(os.path.exists(table))
         self.assertEqual(self.recorded_drive(self.gps_bag([0.0, 1.0, 1.5, 2.5]), table).returncode, 0)
         self.monte_carlo("driven", leader=table, followers=1, realizations=1)
+
+    def test_a_damaged_definition_of_a_message_is_named_with_its_bag(self):
+        bag = self.path("car.bag")
+        with rosbag.Bag(bag, "w") as opened:
+            for k in range(3):
+                opened.write("/odom", Odometry(), rospy.Time(1700000000 + k))
+        content = pathlib.Path(bag).read_bytes()
+        for right, wrong in ((b"\nHeader header", b"\nHeader hdader"), (b"\nHeader header", b"\nHeadev header")):
+            self.assertIn(right, content)
+            pathlib.Path(bag).write_bytes(content.replace(right, wrong))
+            done = self.recorded_drive(bag, self.path("drive.csv"))
+            self.assertEqual(done.returncode, 1)
+            self.assertNotIn("Traceback", done.stderr)
+            self.assertIn("recorded_drive: {}: is damaged, or ".format(bag), done.stderr.splitlines()[-1])
 
     def gps_bag(self, seconds):
         """A bag of 0.5 m/s at these seconds after its first message."""
