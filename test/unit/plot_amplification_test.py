@@ -75,6 +75,13 @@ class AmplificationErrors(AmplificationTest):
         self.assert_rejects("amplification", self.make_run(), saying=["amplification.csv: no such file: run with signals:=speed"])
         self.assert_rejects("amplification", self.path("none"), saying=["none: no such folder"])
 
+    def test_a_run_of_one_step_or_one_realization(self):
+        for steps, reason in ((1, "amplification.csv: no such file: run with at least 2 steps"),
+                              (2, "all ratios are empty, as one realization does not separate the motion from the noise")):
+            run = self.path(str(steps))
+            sp.monte_carlo(sp.Model.load(), followers=2, steps=steps, realizations=1, signals=["speed", "acceleration"], output=run)
+            self.assert_rejects("amplification", run, saying=[reason])
+
     def test_a_byte_that_was_changed(self):
         run = self.make_amplification()
         written = self.read("run", "amplification.csv")

@@ -74,10 +74,12 @@ class Results:
                 os.path.join(self.path, "summary.json"), self._value("followers"), table, followers))
 
     def _vehicles(self, table: str, first: int, signals: str) -> Grid:
-        """A table with one row for each vehicle, which only runs with these signals have."""
+        """A table with one row for each vehicle, which only runs with these signals have, and of the speed only those of two steps."""
         if table not in self._tables:
-            raise KeyError("{}: no such file: run with signals:={} (monte_carlo --signals)".format(
-                os.path.join(self.path, table + ".csv"), signals))
+            needed = "signals:={} (monte_carlo --signals)".format(signals)
+            if signals.split(",")[0] in self.signals:
+                needed = "at least 2 steps"
+            raise KeyError("{}: no such file: run with {}".format(os.path.join(self.path, table + ".csv"), needed))
         grid = Grid(self._table(table), first, has_steps=False)
         self._require_followers(table, grid.vehicles + first - 1)
         return grid

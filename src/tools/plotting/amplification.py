@@ -26,6 +26,8 @@ def drawable_amplification(run: sp.Results) -> sp.Amplification:
     measured, theory = ({name: drawable(values) for name, values in table.items()} for table in (given.measured, given.theory))
     if not any(np.isfinite(table[name]).any() for table in (measured, theory) for name in RATIOS):
         reason = "the leader drives at constant speed" if measured["rms_mean_speed"][0] == 0.0 else "noise hides the motion"
+        if run.realizations == 1:
+            reason = "one realization does not separate the motion from the noise"
         raise ValueError("{}: all ratios are empty, as {}: nothing to draw".format(run.path, reason))
     return sp.Amplification(measured, theory, given.seconds)
 
