@@ -138,6 +138,17 @@ class Signals(LaunchTest):
         again = tool("monte_carlo", "--trajectories", repeat=os.path.join(folder, "summary.json"), only=0, output=self.path("worst"))
         self.assertIn("exists and is never overwritten", again.stderr)
 
+    def test_a_trajectory_has_the_control_input_of_every_car_that_has_one(self):
+        for model in ("acc.yaml", "cacc.yaml", "acc_limits.yaml"):
+            folder, settings = self.path(model), dict(followers=2, steps=50, realizations=1)
+            self.assertEqual(tool("monte_carlo", model=model, signals="input", output=folder, **settings).returncode, 0)
+            measured = np.array([float(row["mean"]) for row in rows_of(folder, "signals.csv")]).reshape(2, 50)
+            self.assertGreater(np.ptp(measured), 0.0)
+            self.assertEqual(tool("monte_carlo", "--trajectories", repeat=folder + "/summary.json", only=0, output=folder + "_0").returncode, 0)
+            for found in (sp.Trajectories.load(folder + "_0"), sp.trajectories(sp.Model.load(model), 0, **settings)):
+                np.testing.assert_array_equal(found["input"][1:, 1:], measured)
+        self.assertTrue(np.isnan(sp.trajectories(sp.Model.load("paper.yaml"), 0, **settings)["input"]).all())
+
     def test_behind_losses_signals_have_a_theory_but_collisions_none(self):
         for burst in ("", 3.0):
             folder = "lossy{}".format(burst)

@@ -40,6 +40,7 @@ Signal::Recent<double> recent_positions(const Trajectory& of, std::size_t k, dou
 
 std::vector<double> values_of(const Signal& signal, const Trajectory& predecessor, const Trajectory& of, double slope) {
   std::vector<double> values;
+  if (signal.is_input && of.input.empty()) return values;
   if (signal.is_input) return {of.input.begin() + 1, of.input.end()};
   for (std::size_t k = 1; k < of.position.size(); ++k) {
     check_interruption();

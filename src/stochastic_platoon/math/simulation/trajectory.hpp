@@ -18,7 +18,7 @@ struct Trajectory {
   std::vector<std::vector<double>> received;
   std::vector<double> input;  ///< v_i(k) = u_i(k-1) [m/s^2]; empty if no follower receives it and it is not measured
   /// From step 0 on: the tracking error, then the signals of the given names; of vehicle 0 empty if they are relative
-  /// to a predecessor, and for the control input.
+  /// to a predecessor, and for the control input; empty for the control input of a vehicle that has none.
   std::vector<std::vector<double>> signals;
 };
 

@@ -49,9 +49,8 @@ TrajectoryColumns trajectory_columns(const Configuration& configuration, std::ui
   for (const char* name : {"position", "received_position", "input", "received_input", "tracking_error"})
     add_column(name);
   for (const SignalKind& kind : signal_kinds()) {
-    if (std::string(kind.name) == kInput) continue;  // has its column already
     names.emplace_back(kind.name);
-    add_column(kind.name);
+    if (names.back() != kInput) add_column(kind.name);  // has its column already
   }
   std::size_t begin = 0, vehicle_index = 0;
   const auto add = [&](const std::string& name, const std::vector<double>& values, std::size_t first) {
