@@ -54,6 +54,7 @@ platoon::RecordedResults repeated(const std::string& file, const std::map<std::s
   };
   if (!recorded.complete) reject("is of an incomplete run");
   if (run.averaging() == platoon::Averaging::over_time) reject("is of averages over time");
+  if (const std::string part = platoon::part_of_run(run, recorded.realizations); !part.empty()) reject("is of " + part);
   if (!run.external.empty()) reject("is of a run with external vehicles");
   run.output = settings.count("output") > 0 ? settings.at("output") : "";
   run.resume = false;

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/result_files.hpp"
@@ -98,7 +99,15 @@ RecordedResults read_summary(const std::string& file) {
     throw std::invalid_argument(file + ": states no configuration: written by an older version");
   nlohmann::json checksums = summary.at("crc32");
   checksums.erase("summary");
-  return {recorded_configuration(summary["configuration"]), summary.at("complete").get<bool>(), checksums};
+  return {recorded_configuration(summary["configuration"]), summary.at("complete").get<bool>(),
+          summary.at("realizations").get<std::uint64_t>(), checksums};
+}
+
+std::string part_of_run(const RunOptions& run, std::uint64_t realizations) {
+  if (realizations >= run.realizations || run.averaging() == Averaging::over_time) return "";
+  return formatted(
+      "realizations %llu to %llu of %llu", static_cast<unsigned long long>(run.realizations - realizations),
+      static_cast<unsigned long long>(run.realizations - 1), static_cast<unsigned long long>(run.realizations));
 }
 
 }  // namespace platoon

@@ -22,7 +22,8 @@ nlohmann::json provenance(const Configuration& configuration);
 struct RecordedResults {
   Configuration configuration;  ///< see recorded_configuration()
   bool complete;
-  nlohmann::json checksums;  ///< checksum() of statistics.csv and of every other table, by name
+  std::uint64_t realizations;  ///< measured
+  nlohmann::json checksums;    ///< checksum() of statistics.csv and of every other table, by name
 };
 
 /// The configuration of a run in a file. The hosting of a run without ROS nodes, which a launch file cannot select, is
@@ -32,5 +33,9 @@ Configuration recorded_configuration(nlohmann::json document);
 /// Reads a summary.json. Throws std::system_error if it cannot be read, std::invalid_argument if it is damaged or
 /// states no configuration, ConfigurationError if it comes from another version.
 RecordedResults read_summary(const std::string& file);
+
+/// "realizations 200 to 249 of 250" if a complete result is of only the last of a run's realizations, as that of the
+/// recording of a resumed run; empty if it is of all, or of averages over time.
+std::string part_of_run(const RunOptions& run, std::uint64_t realizations);
 
 }  // namespace platoon

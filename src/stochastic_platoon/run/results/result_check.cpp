@@ -126,12 +126,15 @@ std::string passed(const nlohmann::json& summary, const RunOptions& run) {
   // Theory ends before the first external vehicle.
   const std::string compared =
       run.external.empty() ? "" : formatted(" up to follower %zu", run.followers_before_external());
+  const auto realizations = summary.at("realizations").get<std::uint64_t>();
+  const std::string part = part_of_run(run, realizations);
   return formatted(
-      "%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations, seed %llu", verdict,
+      "%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations%s, seed %llu", verdict,
       found ? ((found->means_only ? "means in agreement" : "in agreement") + compared + largest_score(*found)).c_str()
             : "not compared with a theory",
       summary.at("followers").get<unsigned long long>(), summary.at("steps").get<long long>(),
-      summary.at("realizations").get<unsigned long long>(), summary.at("seed").get<unsigned long long>());
+      static_cast<unsigned long long>(realizations), part.empty() ? "" : (" (a part of the run, " + part + ")").c_str(),
+      summary.at("seed").get<unsigned long long>());
 }
 
 // Throws std::invalid_argument for the folder of a run that was stopped or killed before it had results.
