@@ -21,10 +21,6 @@ Configuration parse_recorded(const std::string& file, const std::string& text) {
   }
 }
 
-bool is_configuration(const PlatoonTopic& topic) {
-  return topic.kind == PlatoonTopic::Kind::configuration;
-}
-
 }  // namespace
 
 Configuration configuration_to_repeat(const BagSource& source) {
@@ -54,11 +50,13 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
     return topic.kind == PlatoonTopic::Kind::position && topic.vehicle == 0;
   });
   const std::string& file = source.files.front();
+  const std::uint64_t run = run_identity(recorded_platoon(source).configuration);
   std::vector<double> positions;
   while (positions.size() < static_cast<std::size_t>(steps + 1)) {
     const std::optional<RecordedMessage> recorded = stream.next();
     if (!recorded) break;
     const Position::ConstPtr message = recorded->position();
+    if (message->run != run) continue;
     if (message->step == kInitialStep) positions.clear();
     const std::vector<double>& all = message->position;
     if (std::any_of(all.begin(), all.end(), [&all](double position) { return position != all.front(); })) {
@@ -85,27 +83,19 @@ RecordedPlatoon recorded_platoon(const BagSource& source) {
   BagStream stream(source, is_configuration);
   const std::optional<RecordedMessage> message = stream.next();
   if (!message) throw BagError(file + ": holds no topic \"configuration\": it is no recording of a platoon");
-  const auto& text = std::get<std::string>(message->content);
-  return {parse_recorded(file, text), message->topic.name_space, text};
+  return {parse_recorded(file, std::get<std::string>(message->content)), message->topic.name_space};
 }
 
 BagStatistics statistics_of_bags(const BagSource& source,
                                  const std::function<void(std::uint64_t, std::uint64_t)>& progress,
                                  const std::optional<std::vector<std::string>>& signals) {
   using Kind = PlatoonTopic::Kind;
-  const RecordedPlatoon platoon = recorded_platoon(source);
-  RunReading reading(platoon, signals);
+  RunReading reading(recorded_platoon(source), signals);
   BagStream stream(source, [](const PlatoonTopic& topic) {
-    return topic.kind == Kind::position || topic.kind == Kind::input || topic.kind == Kind::error_statistics ||
-           topic.kind == Kind::configuration;
+    return topic.kind == Kind::position || topic.kind == Kind::input || topic.kind == Kind::error_statistics;
   });
   for (std::uint64_t count = 0; const std::optional<RecordedMessage> message = stream.next(); ++count) {
-    if (message->topic.kind != Kind::configuration) {
-      reading.take(*message);
-    } else if (std::get<std::string>(message->content) != platoon.text ||
-               message->topic.name_space != platoon.name_space) {  // a latched message may be repeated
-      throw BagError(source.files.front() + ": holds more than one run of a platoon: must hold one");
-    }
+    reading.take(*message);
     if (progress && count % 256 == 0) progress(stream.position(), stream.size());
   }
   if (progress) progress(stream.size(), stream.size());

@@ -13,14 +13,14 @@
 namespace platoon {
 
 /// The statistics of a recorded platoon's positions, computed as in the monitor. `progress` is called with the bytes
-/// read and the total number of bytes. `signals`: see RunReading. Throws BagError as recorded_platoon() does, if the
-/// bags hold more than one run, and if `source` does not accept the state of a file.
+/// read and the total number of bytes. `signals`: see RunReading. Throws BagError as recorded_platoon() and BagStream
+/// do.
 BagStatistics statistics_of_bags(const BagSource& source,
                                  const std::function<void(std::uint64_t, std::uint64_t)>& progress,
                                  const std::optional<std::vector<std::string>>& signals = std::nullopt);
 
-/// The first configuration in the bags, with its namespace. Throws BagError if there is none, or if its version is not
-/// readable.
+/// The first configuration in the bags, with its namespace. Throws BagError as BagStream does, if there is none, or if
+/// its version is not readable.
 RecordedPlatoon recorded_platoon(const BagSource& source);
 
 /// The configuration in the bags for another run: without its record, resume, rate and first_realization. Throws

@@ -17,7 +17,6 @@ namespace platoon {
 struct RecordedPlatoon {
   Configuration configuration;
   std::string name_space;  ///< of its platoon, "/platoon"
-  std::string text;        ///< its configuration as recorded
 };
 
 /// Statistics and findings from a bag's positions.

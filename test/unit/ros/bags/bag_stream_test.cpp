@@ -30,8 +30,8 @@ class BagStreamTest : public testing::Test {
 protected:
   // Records kSteps steps from `first` on, with `size` positions each; returns the file name.
   std::string record(const std::string& name, const std::string& compression, std::int64_t first = 0,
-                     std::size_t size = 4) const {
-    BagWriter bag(folder_ / name, "", compression, {kConfiguration, "{}"});
+                     std::size_t size = 4, const std::string& configuration = "{}") const {
+    BagWriter bag(folder_ / name, "", compression, {kConfiguration, configuration});
     for (std::int64_t step = first; step < first + kSteps; ++step) {
       Position message;
       message.header.stamp = ros::Time(100.0 + 0.01 * static_cast<double>(step));
@@ -179,6 +179,34 @@ TEST_F(BagStreamTest, ReadsSeveralFilesInTheOrderOfTheirTimes) {
   const std::string first = record("run_2.bag", "none"), second = record("run_10.bag", "lz4", kSteps);
   const Found found = read({{second, first}});
   EXPECT_EQ(found.positions, steps(2 * kSteps));
+}
+
+TEST_F(BagStreamTest, RejectsFilesOfSeveralRunsBeforeItReadsThem) {
+  const std::string one = record("one.bag", "none"), two = record("two.bag", "none", kSteps, 4, "{\"run\": 2}");
+  const std::string reason = one + ": holds more than one run of a platoon: must hold one";
+  EXPECT_EQ(message_of<BagError>([&] { BagStream({{one, two}}, any_topic); }), reason);
+  EXPECT_EQ(message_of<BagError>([&] { BagStream({{one, one, two}}, any_topic); }), reason);
+  EXPECT_EQ(read({{two}}).positions.size(), static_cast<std::size_t>(kSteps));
+}
+
+TEST_F(BagStreamTest, RejectsTheConfigurationOfASecondRunWhenItGetsThere) {
+  const std::string file = folder_ / "both.bag";
+  rosbag::Bag bag(file, rosbag::bagmode::Write);
+  std_msgs::String configuration;
+  const auto write = [&](const char* text) {
+    configuration.data = text;
+    bag.write(kConfiguration, ros::Time(1.0), configuration);
+    bag.write(kPosition, ros::Time(1.0), Position());
+  };
+  write("{}");
+  write("{}");  // a latched message is sent again
+  write("{\"run\": 2}");
+  bag.close();
+  BagStream stream({{file}, Accept::whole, true},
+                   [](const PlatoonTopic& topic) { return topic.kind == PlatoonTopic::Kind::position; });
+  EXPECT_TRUE(stream.next());
+  EXPECT_TRUE(stream.next());
+  EXPECT_TRUE(contains(message_of<BagError>([&] { stream.next(); }), "holds more than one run"));
 }
 
 TEST_F(BagStreamTest, RejectsAFileWithoutChecksumsUnlessItMayBeUnverified) {
