@@ -26,13 +26,14 @@ BagSource source_of(std::vector<std::string> files, bool partial, bool unverifie
 }
 
 /// The values of one stream: a row per realization from `first` to before `end` and a column per step from -1 on, NaN
-/// where the recording has none. An endless run has one row, which grows.
+/// where the recording has none. An endless run has one row, which grows and always counts as whole.
 class StreamTable {
 public:
   StreamTable(const RunOptions& run, std::uint64_t first, std::uint64_t end)
       : first_(first), rows_(end - first), columns_(static_cast<std::size_t>(run.steps) + 1), grows_(run.steps == 0) {
     if (grows_) columns_ = 0;
     values_.assign(rows_ * columns_, std::nan(""));
+    recorded_.assign(values_.size(), false);
   }
 
   void take(const stochastic_platoon::Position& message) {
@@ -41,8 +42,17 @@ public:
     if (grows_ && column >= values_.size()) values_.resize(column + 1, std::nan(""));
     for (std::size_t j = 0; j < message.position.size(); ++j) {
       const std::uint64_t row = message.first_realization + j - first_;  // wraps below the first one
-      if (row < rows_) values_[row * columns_ + column] = message.position[j];
+      if (row >= rows_) continue;
+      values_[row * columns_ + column] = message.position[j];
+      if (!grows_) recorded_[row * columns_ + column] = true;
     }
+  }
+
+  /// The first column that a row lacks; none if the row is whole.
+  std::optional<std::size_t> missing_in(std::size_t row) const {
+    const auto begin = recorded_.begin() + static_cast<std::ptrdiff_t>(row * columns_);
+    const auto end = begin + static_cast<std::ptrdiff_t>(columns_), missing = std::find(begin, end, false);
+    return missing == end ? std::nullopt : std::optional<std::size_t>(missing - begin);
   }
 
   // For endless runs, whose number of steps is not known.
@@ -59,6 +69,12 @@ private:
   std::size_t rows_, columns_;
   bool grows_;
   std::vector<double> values_;
+  std::vector<bool> recorded_;  ///< a value may be NaN itself
+};
+
+struct StreamTables {
+  std::vector<StreamTable> tables;
+  std::vector<bool> whole;  ///< by row: all streams have all steps of the realization
 };
 
 // A stream of one vehicle: position, predecessor_position, input, predecessor_input, received_position (the first
@@ -84,12 +100,32 @@ std::string topic_of(const StreamName& of, const Configuration& configuration) {
   return "/" + received_topic(own, vehicle, input);
 }
 
+// Marks the whole rows. Throws BagError if one is not whole, unless the source accepts that.
+std::vector<bool> whole_rows(const BagSource& source, const std::vector<StreamName>& streams,
+                             const std::vector<StreamTable>& tables, std::uint64_t first, std::uint64_t end) {
+  std::vector<bool> whole(end - first, true);
+  for (std::size_t row = 0; row < whole.size(); ++row) {
+    for (std::size_t at = 0; at < streams.size() && whole[row]; ++at) {
+      const std::optional<std::size_t> missing = tables[at].missing_in(row);
+      if (missing && source.accept == Accept::whole) {
+        throw BagError(source.files.front() + ": the recording is not complete: " + streams[at].first + " of " +
+                       vehicle_name(streams[at].second) + " lacks step " + std::to_string(std::int64_t(*missing) - 1) +
+                       " of realization " + std::to_string(first + row) +
+                       "; --partial (in Python partial=True) uses its whole realizations");
+      }
+      whole[row] = !missing;
+    }
+  }
+  return whole;
+}
+
 // Tables of these streams, all read at once, with the realizations from `first` to before `end`. Throws
 // std::out_of_range for a stream that is not in the recording.
-std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<StreamName>& streams, std::uint64_t first,
-                                   std::uint64_t end) {
+StreamTables tables_of(const BagSource& source, const std::vector<StreamName>& streams, std::uint64_t first,
+                       std::uint64_t end) {
   const Configuration configuration = recorded_platoon(source).configuration;
   const RunOptions& run = configuration.run;
+  const std::uint64_t identity = run_identity(configuration);
   end = std::min(end, run.realizations);
   if (first >= end)
     throw std::out_of_range("realizations: " + std::to_string(first) + ": must be below " + std::to_string(end));
@@ -109,6 +145,7 @@ std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<St
   while (const std::optional<RecordedMessage> recorded = bags.next()) {
     const auto at = places.find(recorded->topic.key());
     const auto message = recorded->position();
+    if (message->run != identity) continue;
     if (at != places.end()) is_empty[at->second] = false;
     if (endless && message->attempt < attempt) continue;
     if (endless && message->attempt > attempt) {
@@ -127,15 +164,17 @@ std::vector<StreamTable> tables_of(const BagSource& source, const std::vector<St
     throw std::out_of_range("stream: " + streams[missing].first + " of " + vehicle_name(streams[missing].second) +
                             ": is not in the recording");
   }
-  return tables;
+  std::vector<bool> whole = whole_rows(source, streams, tables, first, end);
+  return {std::move(tables), std::move(whole)};
 }
 
-py::tuple results_of(const BagSource& source, const std::optional<std::vector<std::string>>& signals) {
+py::tuple results_of(const BagSource& source, const std::optional<std::string>& signals) {
   ResultTables tables;
   std::string text;
   std::vector<std::string> findings;
   unlocked([&] {
-    BagStatistics statistics = statistics_of_bags(source, nullptr, signals);
+    BagStatistics statistics =
+        statistics_of_bags(source, nullptr, signals ? std::optional(signal_names(*signals)) : std::nullopt);
     if (statistics.result.realizations == 0)
       throw BagError(source.files.front() + ": holds no whole batch: there are no statistics");
     Configuration& configuration = statistics.configuration;
@@ -163,10 +202,10 @@ PYBIND11_MODULE(_recordings, module) {
   module.def(
       "values",
       [](const BagSource& source, const std::vector<StreamName>& streams, std::uint64_t first, std::uint64_t end) {
+        StreamTables found = unlocked([&] { return tables_of(source, streams, first, end); });
         py::list arrays;
-        for (StreamTable& table : unlocked([&] { return tables_of(source, streams, first, end); }))
-          arrays.append(table.array());
-        return arrays;
+        for (StreamTable& table : found.tables) arrays.append(table.array());
+        return py::make_tuple(arrays, found.whole);
       },
       py::arg("source"), py::arg("streams"), py::arg("first"), py::arg("end"));
   module.def("results", &results_of, py::arg("source"), py::arg("signals"));

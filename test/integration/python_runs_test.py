@@ -268,6 +268,9 @@ class Recordings(ModuleTest):
         program("bag_statistics", self.SMALL, output=self.path("results"))
         self.assertSameTables(sp.Results.load(self.path("results")), sp.Recording([self.SMALL]).results())
         self.assertIn("gap", sp.Recording(self.SMALL).results(signals=["gap"]).signals)
+        for none in ([], (), ""):
+            self.assertEqual(dict(sp.Recording(self.SMALL).results(signals=none).signals), {})
+        self.assertRaisesText(ValueError, "signals: gap,gap: must be", sp.Recording(self.SMALL).results, signals=["gap", "gap"])
 
     def test_bad_recordings_and_names_raise(self):
         recording = sp.Recording(self.SMALL)

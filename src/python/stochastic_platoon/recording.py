@@ -21,14 +21,16 @@ class Recording:
     """The bag, or the bags, of one run. Every message is checked by its checksum when it is read."""
 
     def __init__(self, path: Union[PathLike, Iterable[PathLike]], *, partial: bool = False, unverified: bool = False) -> None:
-        """`partial`: also reads the existing part of a bag that was not closed or is cut off. `unverified`: also reads bags without
-        checksums, as `rosbag record` writes them. Raises FileNotFoundError, and ValueError if it is no recording of a platoon."""
+        """`partial`: also reads the existing part of a bag that was not closed or is cut off, or of a recording without some of its
+        parts. `unverified`: also reads bags without checksums, as `rosbag record` writes them. Raises FileNotFoundError, and ValueError
+        if it is no recording of one run of a platoon."""
         from . import _recordings  # loads the libraries of ROS
 
         files: List[str] = [os.fspath(path)] if isinstance(path, (str, os.PathLike)) else [os.fspath(file) for file in path]
         for file in files:
             if not os.path.exists(file):
-                raise FileNotFoundError("{}: no such file".format(file))
+                hint = ". There is {}.active, of a run that is endless, is still running or was killed".format(file)
+                raise FileNotFoundError("{}: no such file{}".format(file, hint if os.path.exists(file + ".active") else ""))
         #: the files
         self.files = files
         self._source: Source = _recordings.Source(files, partial, unverified)
@@ -39,33 +41,45 @@ class Recording:
     def model(self) -> Model:
         return self.configuration.model
 
-    def _values(self, stream: str, vehicle: int) -> NDArray[np.float64]:
-        return self._streams([(stream, checked_vehicle(vehicle))], 0, self.configuration.run["realizations"])[0]
+    @property
+    def realizations(self) -> range:
+        """The numbers of the realizations: from 0 on, or those of a resumed run."""
+        run = self.configuration.run
+        return range(run["first_realization"], run["realizations"])
 
-    def _streams(self, streams: List[Tuple[str, int]], first: int, end: int) -> List[NDArray[np.float64]]:
-        """Several streams of vehicles, read at once, of the realizations from `first` to before `end`."""
+    def _values(self, stream: str, vehicle: int) -> NDArray[np.float64]:
+        return self._streams([(stream, checked_vehicle(vehicle))], self.realizations.start, self.realizations.stop)[0][0]
+
+    def _streams(self, streams: List[Tuple[str, int]], first: int, end: int) -> Tuple[List[NDArray[np.float64]], List[bool]]:
+        """Several streams of vehicles, read at once, of the realizations from `first` to before `end`, and which of these are whole."""
         from . import _recordings
 
         return _recordings.values(self._source, streams, first, end)
 
     def trajectories(self, first: int = 0, count: int = 1) -> Iterator[Trajectories]:
         """All vehicles in `count` realizations, from `first` on, with the quantities of trajectories.csv that follow from the recorded
-        positions. Raises IndexError if `count` is below 1, or if the recording does not have all of them."""
-        model, run = self.model, self.configuration.run
-        followers, total = run["followers"], run["realizations"]
-        if not 0 <= first < total:
-            raise IndexError("first: {}: must be from 0 to {}".format(first, total - 1))
+        positions. Raises IndexError if `count` is below 1, or if the run does not have all of them, and ValueError if the recording lacks
+        a step of one; with `partial` these realizations are left out."""
+        for _, trajectories in self.numbered_trajectories(first, count):
+            yield trajectories
+
+    def numbered_trajectories(self, first: int, count: int) -> Iterator[Tuple[int, Trajectories]]:
+        """The same, with the numbers of the realizations. Internal."""
+        model, followers = self.model, self.configuration.run["followers"]
+        start, total = self.realizations.start, self.realizations.stop
+        if not start <= first < total:
+            raise IndexError("first: {}: must be from {} to {}".format(first, start, total - 1))
         if not 1 <= count <= total - first:
-            raise IndexError("count: {}: must be from 1 to {}, as the recording has {} realizations".format(count, total - first, total))
+            raise IndexError("count: {}: must be from 1 to {}, as the run has {} realizations".format(count, total - first, total))
         vehicles = [model.vehicle(i) for i in range(followers + 1)]
         end = first + count
         names = [("position", i) for i in range(followers + 1)] + [("received_position", i) for i in range(1, followers + 1)]
-        streams = self._streams(names, first, end)
+        streams, whole = self._streams(names, first, end)
         positions, received = streams[:followers + 1], streams[followers + 1:]
         period = model.sample_period
         steps = np.arange(-1.0, positions[0].shape[1] - 1.0)
         seconds = np.array([float("{:.10g}".format(step * period)) for step in steps])
-        for row in range(end - first):
+        for row in np.flatnonzero(whole).tolist():
             quantities = {name: np.full((followers + 1, steps.size), np.nan) for name in Trajectories.QUANTITIES}
             y = quantities["position"]
             for i, table in enumerate(positions):
@@ -85,16 +99,16 @@ class Recording:
             for name in ("gap", "tracking_error", "speed", "acceleration", "jerk", "relative_speed"):
                 quantities[name][:, 0] = np.nan  # signals begin at step 0
             name = "realization {}".format(first + row)
-            yield Trajectories(steps, seconds, quantities, self.files[0], name)
+            yield first + row, Trajectories(steps, seconds, quantities, self.files[0], name)
 
     def positions(self, vehicle: int) -> NDArray[np.float64]:
-        """y_i(k) [m], shape (realizations, steps + 1), from step -1 on; NaN where the recording has none. Raises IndexError for a
-        vehicle that the platoon does not have."""
+        """y_i(k) [m], a row for each of `realizations` and a column per step, from step -1 on. Raises IndexError for a vehicle that the
+        platoon does not have, and ValueError if the recording lacks a value; with `partial` it is NaN, as in the row of an
+        endless run."""
         return self._values("position", vehicle)
 
     def predecessor_positions(self, vehicle: int) -> NDArray[np.float64]:
-        """y_{i-1}(k) [m] as follower i used it, of the same shape: in place of a lost position its prediction (on_loss); NaN where the
-        recording has none."""
+        """y_{i-1}(k) [m] as follower i used it, of the same shape: in place of a lost position its prediction (on_loss)."""
         return self._values("predecessor_position", vehicle)
 
     def inputs(self, vehicle: int) -> NDArray[np.float64]:
@@ -115,7 +129,7 @@ class Recording:
         recording is not complete, unless `partial` was given."""
         from . import _recordings
 
-        chosen = None if signals is None else listed(signals).split(",")
+        chosen = None if signals is None else listed(signals)
         summary, tables, report, findings = _recordings.results(self._source, chosen)
         if findings:
             raise ValueError("{}: {}".format(self.files[0], "; ".join(findings)))
