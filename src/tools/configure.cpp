@@ -200,6 +200,10 @@ std::map<std::string, std::string> not_empty(const std::map<std::string, std::st
 
 // Throws ConfigurationError unless the recording holds what the argument `drive` of a replay names.
 void require_drive(const std::string& drive, const platoon::RunOptions& recorded) {
+  if (drive == "leader" && recorded.averaging() == platoon::Averaging::over_time) {
+    throw platoon::ConfigurationError(
+        {"drive: leader: the recording is of an endless run: must be of a run with steps above 0. rosrun stochastic_platoon export writes the speeds of its leader, of which a table for leader:= can be made"});
+  }
   if (drive.empty() || drive == "leader") return;
   for (std::size_t i = 1; i <= recorded.followers; ++i) {
     if (drive == platoon::vehicle_name(i)) return;

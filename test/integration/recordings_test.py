@@ -126,6 +126,51 @@ class Resumed(BagTest):
         self.assertEqual(script("export", self.bag, "--output", self.path("out")).returncode, 0)
         self.assertEqual(exported(self.path("out")), [4, 5])
 
+    def test_its_statistics_are_those_of_a_part_of_the_run(self):
+        part, summary = "realizations 4 to 5 of 6", self.path("part", "summary.json")
+        self.assertEqual(tool("bag_statistics", self.bag, output=self.path("part")).returncode, 0)
+        self.assertIn("(a part of the run, {})".format(part), tool("check", self.path("part")).stdout)
+        self.assertNotIn("a part of", tool("check", self.output).stdout)
+        done = tool("monte_carlo", repeat=summary, output=self.path("again"))
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("{}: is of {}: cannot be repeated".format(summary, part), done.stderr)
+
+
+class Leading(BagTest):
+    """Recordings that lead other followers."""
+
+    def configured(self, **options):
+        return tool("configure", bag=self.bag, drive="leader", hosting="one_process", output=self.path("out"), **options)
+
+    def test_another_model_must_have_the_recorded_sample_period(self):
+        self.record(followers=1, steps=10, realizations=2, hosting="one_process")
+        done = self.configured(model=self.model_with(sample_period=0.05))
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("model/sample_period: 0.05: must be 0.1 [s], that of the recording", done.stderr)
+        self.assertEqual(self.configured(model=self.model_with(sample_period=0.1)).returncode, 0)
+
+    def test_a_model_that_has_no_input_leaves_this_signal_out(self):
+        self.record(followers=1, steps=10, realizations=2, hosting="one_process", model="acc.yaml", signals="gap,input")
+        period = sp.Recording(self.bag).model.sample_period
+        for model, signals in ((self.model_with(sample_period=period), ["gap"]), ("acc.yaml", ["gap", "input"]), ("", ["gap", "input"])):
+            done = self.configured(model=model)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(sp.Configuration.parse(done.stdout).run["signals"], signals)
+
+    def test_an_endless_recording_cannot_lead_and_is_found_by_its_name(self):
+        active = self.bag + ".active"
+        terminal = self.launch(followers=2, steps=0, rate=200, record=self.bag)
+        live_platoon.wait_for(lambda: os.path.exists(active) and os.path.getsize(active) > 50000, "a recording", 60)
+        terminal.interrupt()
+        for reading in (tool("bag_statistics", self.bag), script("export", self.bag, "--output", self.path("out"))):
+            self.assertEqual(reading.returncode, 1)
+            self.assertIn("There is {}".format(active), reading.stderr)
+        self.bag = active
+        done = self.configured()
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("drive: leader: the recording is of an endless run: must be of a run with steps above 0", done.stderr)
+        self.assertNotIn("positions", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -111,7 +111,14 @@ BagBytes::BagBytes(const std::string& file) {
   // Opening a FIFO would wait for its writer.
   if (std::filesystem::is_regular_file(file, error)) stream_.open(file, std::ios::binary);
   if (stream_.is_open()) size_ = std::filesystem::file_size(file, error);
-  if (!stream_.is_open() || error) throw BagError(file + ": must be a bag, a regular file that can be read");
+  if (!stream_.is_open() || error) {
+    const bool is_active =
+        !std::filesystem::exists(file, error) && std::filesystem::exists(file + kActiveSuffix, error);
+    const std::string hint =
+        is_active ? ". There is " + file + kActiveSuffix + ", of a run that is endless, is still running or was killed"
+                  : "";
+    throw BagError(file + ": must be a bag, a regular file that can be read" + hint);
+  }
   std::string line;
   if (size_ < kVersionLine.size() || take(kVersionLine.size(), line) != kVersionLine)
     throw BagError(file + ": is damaged or no bag: must begin with \"#ROSBAG V2.0\"");

@@ -15,6 +15,9 @@ class BagError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Of the name of a file that is being written; a recording of an endless run keeps it.
+constexpr char kActiveSuffix[] = ".active";
+
 /// The states of a file that a reader accepts.
 enum class Accept {
   whole,   ///< closed and undamaged files

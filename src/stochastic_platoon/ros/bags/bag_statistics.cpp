@@ -1,7 +1,10 @@
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/bags/bag_stream.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
@@ -72,9 +75,22 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
 
 Configuration repeated(const BagSource& source, const std::map<std::string, std::string>& settings,
                        bool behind_recorded_leader) {
-  Configuration configuration = parse_configuration(configuration_document(configuration_to_repeat(source), settings));
-  if (!behind_recorded_leader) return configuration;
+  Configuration base = configuration_to_repeat(source);
+  if (!behind_recorded_leader) return parse_configuration(configuration_document(base, settings));
+  const std::vector<std::string> signals = std::exchange(base.run.signals, {});
+  Configuration configuration = parse_configuration(configuration_document(base, settings));
+  if (configuration.model.sample_period != base.model.sample_period) {
+    throw ConfigurationError(
+        {formatted("model/sample_period: %.10g: must be %.10g [s], that of the recording, as the recorded leader has a "
+                   "position for each of its steps",
+                   configuration.model.sample_period, base.model.sample_period)});
+  }
   configuration.model.recorded_leader = recorded_leader(source, configuration.run.steps);
+  if (configuration.run.signals.empty()) configuration.run.signals = signals;
+  // The control input of another model may not be known, and a replay cannot choose its signals.
+  std::vector<std::string>& chosen = configuration.run.signals;
+  if (settings.count("signals") == 0 && !signal_problems(configuration).empty())
+    chosen.erase(std::remove(chosen.begin(), chosen.end(), kInput), chosen.end());
   return parse_configuration(to_json(configuration).dump());
 }
 

@@ -35,7 +35,8 @@ std::optional<std::string> launch_of(const std::string& file);
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps);
 
 /// configuration_to_repeat() with these settings, see configuration_document(), for a run with the recorded leader or
-/// with that of the model. Throws ConfigurationError if they do not fit together.
+/// with that of the model. Behind a recorded leader another model must have the recorded sample period, and the signal
+/// `input` is left out if the model does not determine it. Throws ConfigurationError if they do not fit together.
 Configuration repeated(const BagSource& source, const std::map<std::string, std::string>& settings,
                        bool behind_recorded_leader = false);
 

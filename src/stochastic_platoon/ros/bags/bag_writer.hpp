@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "stochastic_platoon/ros/bags/bag_source.hpp"
 #include "stochastic_platoon/ros/bags/write_behind.hpp"
 
 namespace platoon {
@@ -80,8 +81,6 @@ private:
   std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();  ///< none if it could not be closed
   std::optional<WriteBehind> write_behind_;                             ///< none until the file is open
 };
-
-constexpr char kActiveSuffix[] = ".active";
 
 /// The name of the unfinished file number `count` (from 1) that was put aside while `name` was recorded.
 std::string name_put_aside(const std::string& name, std::size_t count);
