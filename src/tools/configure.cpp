@@ -2,9 +2,6 @@
 // server. platoon.launch runs it before any node starts, so that a problem is reported once, before anything is started
 // or overwritten.
 
-#include <ros/init.h>
-#include <ros/names.h>
-#include <ros/param.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,8 +13,6 @@
 
 #include "stochastic_platoon/ros/bags/bag_statistics.hpp"
 #include "stochastic_platoon/ros/bags/bag_writer.hpp"
-#include "stochastic_platoon/ros/messages/topics.hpp"
-#include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/launch_arguments.hpp"
@@ -28,6 +23,7 @@
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "tools/command_line.hpp"
+#include "tools/free_namespace.hpp"
 
 namespace {
 
@@ -124,69 +120,23 @@ void require_all_in_one_process(const platoon::CommandLine& line, const platoon:
                                        " with hosting:=one_process, which runs all vehicles"});
 }
 
+// The largest number of a vehicle where the configuration is faulty, and with it perhaps the number of followers; none
+// if `last` repeats that one's fault, as it does by default.
+std::optional<std::int64_t> given_followers(const platoon::CommandLine& line) {
+  const std::string given = line.setting("followers");
+  if (given.empty()) return platoon::kMaxFollowers;
+  const auto number = platoon::ProblemCollector().result_of(
+      [&] { return platoon::integer_of("followers", given, 1, platoon::kMaxFollowers); });
+  if (!number && line["last"] == given) return std::nullopt;
+  return number.value_or(platoon::kMaxFollowers);
+}
+
 // Adds what would change a run that is replayed as recorded.
-void require_as_recorded(const std::map<std::string, std::string>& settings, std::vector<std::string>& problems) {
+void require_as_recorded(const std::map<std::string, std::string>& settings, platoon::ProblemCollector& problems) {
   for (const auto& entry : settings) {
     if (!entry.second.empty() && entry.first != "output" && entry.first != "external" && entry.first != "launch_id")
-      problems.push_back(entry.first + ": given: must be with drive:=leader, as the run is replayed as recorded");
+      problems.add(entry.first + ": given: must be with drive:=leader, as the run is replayed as recorded");
   }
-}
-
-// Joins the master of this launch and returns the namespace of its platoon, resolved; none without a launch.
-std::optional<std::string> joined_namespace(const platoon::CommandLine& line) {
-  if (platoon::roslaunch_process() == 0) return std::nullopt;
-  const char* environment = std::getenv("ROS_MASTER_URI");
-  ros::init(ros::M_string{{"__master", platoon::master_address(platoon::command_line(), environment)}}, "configure",
-            ros::init_options::AnonymousName | ros::init_options::NoRosout | ros::init_options::NoSigintHandler);
-  std::string problem;
-  if (!ros::names::validate(line["ns"], problem))
-    throw platoon::ConfigurationError({"ns: " + line["ns"] + ": " + problem});
-  return ros::names::resolve(line["ns"]);
-}
-
-// A live publisher of one of the selected topics of a platoon.
-template <typename Selected>
-std::optional<platoon::TopicPublisher> publisher_in(const std::string& name_space, const Selected& selected) {
-  return platoon::live_publisher([&](const std::string& name) {
-    const std::optional<platoon::PlatoonTopic> topic = platoon::parse_topic(name);
-    return topic && topic->name_space == name_space && selected(*topic);
-  });
-}
-
-// Throws ConfigurationError if a vehicle runs already that this launch would start.
-void require_free_vehicles(const platoon::CommandLine& line, const std::string& name_space,
-                           const std::vector<std::size_t>& external) {
-  const auto number = [&line](const char* key) { return std::strtoull(line[key].c_str(), nullptr, 10); };
-  const auto vehicle = publisher_in(name_space, [&](const platoon::PlatoonTopic& topic) {
-    return topic.kind == platoon::PlatoonTopic::Kind::position && topic.vehicle >= number("first") &&
-           topic.vehicle <= number("last") && !std::binary_search(external.begin(), external.end(), topic.vehicle);
-  });
-  if (!vehicle) return;
-  throw platoon::ConfigurationError({vehicle->topic + ": node " + vehicle->node +
-                                     " publishes it already: must be outside first:= .. last:=, or in external:="});
-}
-
-// Throws ConfigurationError if a platoon runs in the namespace already, or a vehicle that this launch would start.
-void require_free_namespace(const platoon::CommandLine& line, const platoon::RunOptions& run) {
-  const std::optional<std::string> name_space = joined_namespace(line);
-  if (!name_space) return;
-  using Topic = platoon::PlatoonTopic;
-  // Followers may outlive runs.
-  const auto running = publisher_in(*name_space, [](const Topic& topic) {
-    const bool of_vehicle = topic.kind == Topic::Kind::position || topic.kind == Topic::Kind::input;
-    return !of_vehicle || topic.vehicle == 0;
-  });
-  if (running) {
-    std::string text;
-    ros::param::get(*name_space + "/configuration", text);
-    const auto configuration = nlohmann::json::parse(text, nullptr, false);
-    const std::string output =
-        configuration.is_object() ? configuration.value(nlohmann::json::json_pointer("/run/output"), "") : "";
-    throw platoon::ConfigurationError({"ns: " + line["ns"] + ": a platoon runs in it already (node " + running->node +
-                                       ", results in " + output +
-                                       "): must be another namespace, as in ns:=platoon2, or wait for its end"});
-  }
-  require_free_vehicles(line, *name_space, run.external);
 }
 
 // The settings that are given to the launch file.
@@ -250,46 +200,61 @@ int configure_main(int argc, char** argv) {
       std::cout << absolute_names(line["bag_names"]);
       return 0;
     }
-    const std::vector<std::string> undeclared =
-        platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch");
-    if (!undeclared.empty()) throw platoon::ConfigurationError(undeclared);
+    platoon::ProblemCollector problems;
+    problems.add(platoon::undeclared_arguments(platoon::command_line(), platoon::package_folder() + "/launch"));
     if (line["kept"] == "true") {
-      require_range(line, platoon::kMaxFollowers, true);
-      const std::vector<std::size_t> external = external_vehicles(line);
-      if (const auto name_space = joined_namespace(line)) require_free_vehicles(line, *name_space, external);
+      problems.check([&] { require_range(line, platoon::kMaxFollowers, true); });
+      const auto external = problems.result_of([&] { return external_vehicles(line); });
+      problems.require_none();
+      platoon::require_free_vehicles(line, *external);
       return 0;
     }
-    require_log_folder();
-    if (line.has("drive") && line["bag"].find_first_not_of(' ') == std::string::npos)
-      throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
-    const platoon::BagSource bags{platoon::bag_files(line["bag"]), platoon::Accept::whole,
-                                  platoon::is_true(line["unverified"])};
-    std::vector<std::string> problems;
-    if (line.has("drive")) {
-      require_drive(line["drive"], platoon::configuration_to_repeat(bags).run);
+    problems.check(require_log_folder);
+    const bool recorded_leader = line["drive"] == "leader";
+    const auto bags = problems.result_of([&] {
+      if (line.has("drive") && line["bag"].find_first_not_of(' ') == std::string::npos)
+        throw platoon::ConfigurationError({"bag: missing: must be a recording to replay, as in bag:=/tmp/run.bag"});
+      return platoon::BagSource{platoon::bag_files(line["bag"]), platoon::Accept::whole,
+                                platoon::is_true(line["unverified"])};
+    });
+    if (bags && line.has("drive")) {
+      problems.check([&] { require_drive(line["drive"], platoon::configuration_to_repeat(*bags).run); });
       std::map<std::string, std::string> given = line.options;
       given.insert(line.settings.begin(), line.settings.end());
-      problems = platoon::ineffective_arguments(given);
+      problems.add(platoon::ineffective_arguments(given));
     }
-    const bool recorded_leader = line["drive"] == "leader", as_recorded = !bags.files.empty() && !recorded_leader;
-    if (as_recorded) require_as_recorded(line.settings, problems);
-    if (!problems.empty()) throw platoon::ConfigurationError(problems);
+    if (bags && !bags->files.empty() && !recorded_leader) require_as_recorded(line.settings, problems);
+    const bool is_replayable = line["bag"].empty() || problems.all().empty();
     std::map<std::string, std::string> settings = line.settings;
     if (settings["launch_id"].empty()) settings["launch_id"] = new_launch_name();
-    if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
-    settings["output"] = absolute(settings["output"]);
+    problems.check([&] {
+      if (settings["output"].empty()) settings["output"] = new_output_folder(settings["launch_id"]);
+      settings["output"] = absolute(settings["output"]);
+    });
     if (!settings["record"].empty()) settings["record"] = absolute(settings["record"]);
-    platoon::Configuration configuration = bags.files.empty()
-                                               ? platoon::parse_configuration(platoon::configuration_document(settings))
-                                               : platoon::repeated(bags, not_empty(settings), recorded_leader);
-    const platoon::RunOptions& run = configuration.run;
-    platoon::ProblemCollector of_launch;
-    of_launch.check([&] { require_range(line, static_cast<std::int64_t>(run.followers), false); });
-    of_launch.check([&] { require_all_in_one_process(line, run); });
-    of_launch.check([&] { platoon::require_port("dashboard_port", line["dashboard_port"]); });
-    of_launch.check([&] { require_free_namespace(line, run); });
-    of_launch.check([&] { platoon::require_free_recording(run.record, run.record_split_mb > 0); });
-    of_launch.require_none();
+    // A replay whose own arguments are faulty has no configuration to judge.
+    std::optional<platoon::Configuration> found;
+    if (bags && is_replayable) {
+      found = problems.result_of([&] {
+        return bags->files.empty() ? platoon::parse_configuration(platoon::configuration_document(settings))
+                                   : platoon::repeated(*bags, not_empty(settings), recorded_leader);
+      });
+    }
+    const auto most = found ? static_cast<std::int64_t>(found->run.followers) : given_followers(line);
+    problems.check([&] {
+      if (most) require_range(line, *most, false);
+    });
+    problems.check([&] {
+      if (found) require_all_in_one_process(line, found->run);
+    });
+    problems.check([&] { platoon::require_port("dashboard_port", line["dashboard_port"]); });
+    problems.check(
+        [&] { platoon::require_free_namespace(line, found ? std::optional(found->run.external) : std::nullopt); });
+    const std::string& split = settings["record_split_mb"];
+    const bool in_parts = found ? found->run.record_split_mb > 0 : !split.empty() && split != "0";
+    problems.check([&] { platoon::require_free_recording(settings["record"], in_parts); });
+    problems.require_none();
+    platoon::Configuration& configuration = *found;
     const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
     const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
     if (start) configuration.run.first_realization = start->totals.count();

@@ -42,11 +42,12 @@ bool run_whole(const platoon::Configuration& configuration, platoon::ShardSettin
 /// The configuration in the summary of a run, with another output folder. Throws ConfigurationError if it cannot be
 /// repeated, or if a setting other than the folder is given.
 platoon::RecordedResults repeated(const std::string& file, const std::map<std::string, std::string>& settings) {
+  platoon::ProblemCollector problems;
   for (const auto& entry : settings) {
     if (entry.first != "output")
-      throw platoon::ConfigurationError(
-          {entry.first + ": given: must be absent beside repeat, which takes it from " + file});
+      problems.add(entry.first + ": given: must be absent beside repeat, which takes it from " + file);
   }
+  problems.require_none();
   platoon::RecordedResults recorded = platoon::read_summary(file);
   platoon::RunOptions& run = recorded.configuration.run;
   const auto reject = [&file](const std::string& reason) {
@@ -88,9 +89,7 @@ platoon::Configuration configured(const platoon::CommandLine& given) {
 }
 
 // Writes the trajectories of one realization in place of a run.
-void write_trajectories(const platoon::Configuration& configuration, const std::string& only) {
-  const auto last = static_cast<std::int64_t>(configuration.run.realizations) - 1;
-  const auto realization = static_cast<std::uint64_t>(platoon::integer_of("only", only, 0, last));
+void write_trajectories(const platoon::Configuration& configuration, std::uint64_t realization) {
   const std::string file = configuration.run.output + "/trajectories.csv";
   const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
   const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
@@ -144,11 +143,16 @@ int monte_carlo_main(int argc, char** argv) {
       if (!given.has("shard")) return platoon::Shard{0, 1};
       return platoon::parse_shard(given["shard"], found ? found->run.realizations : platoon::kMostShards);
     });
+    const auto only = problems.result_of([&] {
+      if (!given.has("only")) return std::int64_t{0};
+      const auto realizations = found ? static_cast<std::int64_t>(found->run.realizations) : platoon::kMaxCount;
+      return platoon::integer_of("only", given["only"], 0, realizations - 1);
+    });
     problems.require_none();
     platoon::Configuration configuration = *found;
     configuration.run.hosting = platoon::Hosting::monte_carlo;
     if (given.has("only")) {
-      write_trajectories(configuration, given["only"]);
+      write_trajectories(configuration, static_cast<std::uint64_t>(*only));
       return 0;
     }
     bool complete = false;

@@ -85,6 +85,16 @@ platoon::Configuration fulfilling(const platoon::RareRequirement& requirement, c
   return with(value);
 }
 
+// The configuration without the values that override the model's numbers, if they hide it by their faults: it has the
+// steps of the run.
+std::optional<platoon::Configuration> configured_by_file(std::map<std::string, std::string> settings) {
+  for (const platoon::Setting& setting : platoon::settings()) {
+    if (setting.model_key != nullptr && setting.name != std::string("leader")) settings.erase(setting.name);
+  }
+  return platoon::ProblemCollector().result_of(
+      [&] { return platoon::parse_configuration(platoon::configuration_document(settings)); });
+}
+
 // Shards have all settings but the output, and all options but the speed.
 void require_no_others(const platoon::CommandLine& given) {
   platoon::ProblemCollector problems;
@@ -167,6 +177,11 @@ int rare_main(int argc, char** argv) {
       problems.add("shard: given: must be absent beside trajectories");
     problems.check([&] {
       if (given.has("shard")) platoon::parse_shard(given["shard"]);  // before any work; below against the samples
+    });
+    const auto judged = found ? found : configured_by_file(given.settings);
+    problems.check([&] {
+      if (judged)
+        platoon::require_applicable(*judged, found && options ? *options : platoon::RareOptions{0.0, "auto", {}});
     });
     problems.require_none();
     const std::optional<platoon::RareRequirement>& requirement = *asked;

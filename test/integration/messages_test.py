@@ -69,6 +69,24 @@ class Rejected(FolderTest):
             self.check(said, **{name: value})
         self.check(["model: nowhere: no such file", "run/steps: x: must be", "run/followers: y: must be"], model="nowhere", steps="x", followers="y")
 
+    def test_a_fault_hides_no_other(self):
+        own = dict(headway="-3", loss="2", record="foo", first="3", last="1", noise_variance="-1", delay="-1", external="9", dashboard_port="x")
+        said = ["model/time_headway: -3: must be", "model/channel/loss/probability: 2: must be", "model/noise_variance: -1: must be",
+                "model/channel/delay: -1: must be", "record: {}: must be a file name".format(os.path.abspath("foo")),
+                "dashboard_port: x: must be", "last: 1: must be a whole number from 2 to "]
+        self.check(said, **own)
+        self.check(["model: nope.yaml: no such file", *said], model="nope.yaml", **own)
+        self.check(["model: nope.yaml: no such file", "model/leader/file: cit.csv: no such file"], model="nope.yaml", leader="cit.csv",
+                   mean_burst="3")
+        self.check(["headway_seconds: given: must be absent beside headway", "model/time_headway_seconds: -1: must be", "run/steps: x: must be"],
+                   headway="2", headway_seconds="-1", steps="x")
+
+    def test_a_fault_causes_no_message_about_another_value(self):
+        self.check("run/followers: 0: must be", followers="0", external="9", last="0", first="1")
+        self.check("run/followers: x: must be", followers="x", external="9", last="x", first="1", realizations="1e13")
+        self.check("run/steps: -1: must be", steps="-1", signals="gap", leader="city.csv")
+        self.check("model/time_headway: -1: must be", headway="-1", signals="speed", burn_in="500", model="acc.yaml")
+
     def test_all_faults_of_a_command_are_named_at_once(self):
         for program, words, options, said in table("programs.yaml"):
             with self.subTest(program=program):

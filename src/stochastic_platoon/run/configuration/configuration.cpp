@@ -111,21 +111,22 @@ Configuration parse_configuration(const YAML::Node& document, const PlatoonModel
   require_version(root);
   if (!problems.empty()) throw ConfigurationError(problems);
   RunOptions run = read_run_options(root.section("run"));
+  const bool is_run = problems.empty();
   const Section given = root.section("model");
   const std::optional<PlatoonModel> model = known != nullptr ? std::optional(*known) : read_model(given);
-  if (model && run.steps_chosen) choose_steps(*model, run);
+  if (model && is_run && run.steps_chosen) choose_steps(*model, run);
   root.reject_unknown_keys();
-  if (model && !model->recorded_leader.empty()) {
+  if (model && is_run && !model->recorded_leader.empty()) {
     const auto needed = static_cast<std::size_t>(run.steps) + 1;
     if (run.averaging() == Averaging::over_time || model->recorded_leader.size() < needed) {
       problems.push_back("model/leader/positions: " + std::to_string(model->recorded_leader.size()) +
                          " given: must be at least steps + 1 = " + std::to_string(needed) + ", and steps above 0");
     }
   }
-  if (model) require_feasible_theory(*model, run, problems);
-  require_amplification(run, problems);
+  if (model && is_run) require_feasible_theory(*model, run, problems);
+  if (is_run && (model || !run.steps_chosen)) require_amplification(run, problems);
   if (model) require_inputs(*model, run, problems);
-  if (model && run.burn_in_chosen) choose_burn_in(*model, run, problems);
+  if (model && is_run && run.burn_in_chosen) choose_burn_in(*model, run, problems);
   if (!problems.empty()) throw ConfigurationError(problems);
   return {*model, run, kVersion};
 }

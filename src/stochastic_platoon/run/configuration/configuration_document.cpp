@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
 #include "stochastic_platoon/run/configuration/yaml_file.hpp"
+#include "stochastic_platoon/run/configuration/yaml_value.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
 
 namespace platoon {
@@ -159,6 +161,24 @@ YAML::Node document_of(const YAML::Node& model, const std::map<std::string, std:
   return document;
 }
 
+// The faults of the settings where no model can be read: those of the run, and of the values for keys of the model. An
+// empty model also lacks all other keys.
+std::vector<std::string> faults_without_model(const std::map<std::string, std::string>& given) {
+  const YAML::Node document = document_of(YAML::Node(YAML::NodeType::Map), given);
+  std::vector<std::string> problems, of_model;
+  read_run_options(Section(document["run"], "run", problems));
+  read_model(Section(document["model"], "model", of_model));
+  for (const Setting& setting : settings()) {
+    const auto value = given.find(setting.name);
+    if (setting.model_key == nullptr || value == given.end() || value->second.empty()) continue;
+    const std::string begin =
+        std::string("model/") + setting.model_key + ": " + shown(YAML::Node(value->second)) + ": ";
+    std::copy_if(of_model.begin(), of_model.end(), std::back_inserter(problems),
+                 [&](const std::string& problem) { return problem.rfind(begin, 0) == 0; });
+  }
+  return problems;
+}
+
 }  // namespace
 
 YAML::Node load_model(const std::string& file) {
@@ -186,9 +206,9 @@ YAML::Node configuration_document(const std::map<std::string, std::string>& give
   const auto model =
       problems.result_of([&] { return load_model(given.count("model") > 0 ? given.at("model") : paper_model_file()); });
   if (!model) {
-    std::vector<std::string> of_run;
-    read_run_options(Section(document_of(YAML::Node(), given)["run"], "run", of_run));
-    problems.add(of_run);
+    problems.add(faults_without_model(given));
+  } else if (!problems.all().empty()) {
+    problems.check([&] { parse_configuration(document_of(*model, given)); });
   }
   problems.require_none();
   return document_of(*model, given);

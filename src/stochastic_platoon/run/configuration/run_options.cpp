@@ -75,6 +75,7 @@ std::int64_t chosen_window(std::uint64_t batch, std::size_t followers) {
 
 RunOptions read_run_options(Section section) {
   RunOptions options{};
+  const std::size_t before = section.problems();
   if (section.has("burn_in_chosen")) options.burn_in_chosen = section.boolean("burn_in_chosen");
   options.number =
       section.has("run_number") ? static_cast<std::uint64_t>(section.integer("run_number", 1, kMaxCount)) : 1;
@@ -82,7 +83,9 @@ RunOptions read_run_options(Section section) {
     if (setting.of_run.read) setting.of_run.read(section, setting.name, options);
   }
   if (options.steps_chosen) options.steps = kFewestChosenSteps;
+  const bool is_valid = section.problems() == before;
   section.reject_unknown_keys();
+  if (!is_valid) return options;  // harmless defaults, which would be judged below
   if (options.steps == 0 && !options.signals.empty())
     section.reject("signals", boost::algorithm::join(options.signals, ","), "empty for averages over time (steps: 0)");
   const auto followers = static_cast<std::int64_t>(options.followers);

@@ -126,7 +126,13 @@ const std::vector<Setting>& settings() {
        "leader/file",
        {"leader"}},
       of_run("followers", "20", "number of followers N, 1 or more",
-             member(&RunOptions::followers, whole(1, kMaxFollowers))),
+             {[](Section& section, const std::string& key, RunOptions& run) {
+                const std::size_t before = section.problems();
+                const std::int64_t given = section.integer(key, 1, kMaxFollowers);
+                // A number that is not allowed limits no other value.
+                run.followers = static_cast<std::size_t>(section.problems() > before ? kMaxFollowers : given);
+              },
+              [](const RunOptions& run) { return nlohmann::json(run.followers); }}),
       of_run(
           "steps", "",
           "steps per realization; 0: one endless realization with time averages; empty: 10 s of driving, from 100 to 10000 steps",

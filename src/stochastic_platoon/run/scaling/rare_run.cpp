@@ -21,23 +21,6 @@ namespace {
 constexpr char kAuto[] = "auto", kCondition[] = "condition", kSplit[] = "split";
 constexpr char kDistance[] = "standstill_distance", kHeadway[] = "time_headway";
 
-void require_known(const Configuration& configuration, RareOptions& options) {
-  const RunOptions& run = configuration.run;
-  std::vector<std::string> problems;
-  const bool is_normal = has_normal_errors(configuration.model);
-  if (options.method == kAuto) options.method = is_normal ? kCondition : kSplit;
-  if (options.method == kCondition && !is_normal)
-    problems.push_back(std::string("method: condition: the gaps are not normal, because ") +
-                       (has_limits(configuration.model) ? "a vehicle has limits" : "a link loses or quantises") +
-                       ": must be split or auto");
-  if (run.averaging() == Averaging::over_time) problems.emplace_back("steps: 0: must be at least 1");
-  if (run.averaging() != Averaging::over_time && run.burn_in >= run.steps)
-    problems.push_back(formatted("burn_in: %lld: must be below the %lld steps", static_cast<long long>(run.burn_in),
-                                 static_cast<long long>(run.steps)));
-  if (!run.external.empty()) problems.emplace_back("external: given: must be absent: only the model is simulated");
-  if (!problems.empty()) throw ConfigurationError(problems);
-}
-
 }  // namespace
 
 ShardRun RareRun::shard(const Shard& shard) const {
@@ -72,8 +55,24 @@ RareOptions rare_options(const std::map<std::string, std::string>& given) {
   return options;
 }
 
+void require_applicable(const Configuration& configuration, const RareOptions& options) {
+  const RunOptions& run = configuration.run;
+  ProblemCollector problems;
+  if (options.method == kCondition && !has_normal_errors(configuration.model))
+    problems.add(std::string("method: condition: the gaps are not normal, because ") +
+                 (has_limits(configuration.model) ? "a vehicle has limits" : "a link loses or quantises") +
+                 ": must be split or auto");
+  if (run.averaging() == Averaging::over_time) problems.add("steps: 0: must be at least 1");
+  if (run.averaging() != Averaging::over_time && run.burn_in >= run.steps)
+    problems.add(formatted("burn_in: %lld: must be below the %lld steps", static_cast<long long>(run.burn_in),
+                           static_cast<long long>(run.steps)));
+  if (!run.external.empty()) problems.add("external: given: must be absent: only the model is simulated");
+  problems.require_none();
+}
+
 RareRun rare_run(const Configuration& configuration, RareOptions options, unsigned threads) {
-  require_known(configuration, options);
+  require_applicable(configuration, options);
+  if (options.method == kAuto) options.method = has_normal_errors(configuration.model) ? kCondition : kSplit;
   const RunOptions& run = configuration.run;
   const RareEvent event{run.seed, run.followers, run.steps, options.below, run.burn_in};
   try {

@@ -27,10 +27,13 @@ struct RareRun {
 /// Reads the options `below`, `method` and `speed` of a command line or a call. Throws ConfigurationError.
 RareOptions rare_options(const std::map<std::string, std::string>& given);
 
+/// Throws ConfigurationError, with all problems, if the method does not apply to the model, the steps leave no place
+/// for the event, or a vehicle is external.
+void require_applicable(const Configuration& configuration, const RareOptions& options);
+
 /// The estimation by the given method, or by that of the model if it is empty or "auto": conditioned realizations for
-/// normal errors, splitting for all others; see require_an_estimate(). Throws ConfigurationError if the method does not
-/// apply, for an event that cannot happen or is no rare one, and for external vehicles. `threads`: of a splitting's
-/// pilot.
+/// normal errors, splitting for all others; see require_an_estimate(). Throws as require_applicable() does, and for an
+/// event that cannot happen or is no rare one. `threads`: of a splitting's pilot.
 RareRun rare_run(const Configuration& configuration, RareOptions options, unsigned threads);
 /// The estimation to which a shard belongs.
 RareRun rare_run(const ShardRun& shard, unsigned threads);
