@@ -95,6 +95,12 @@ class Report(RunTest):
         self.assertIn("theory.json: norms.mean_l2 is missing; theory: none, as vehicles have limits; linear.norms.mean_l2 is that of the same cars "
                       "without limits", script("plot", "norms", analysis).stderr)
 
+    def test_errors_that_are_not_compared_with_their_theory_say_why(self):
+        sp.monte_carlo(sp.Model.load("lossy.yaml"), followers=3, steps=20, realizations=20, signals=["speed"], output=self.path("few"))
+        page = html.unescape(self.page(self.path("few")))
+        self.assertIn("complete and undamaged, tracking errors not compared with the theory, signals in agreement (speed)", page)
+        self.assertIn("No verdict on the tracking errors: the tracking errors are not normal, and 20 realizations are too few to tell", page)
+
     def test_the_table_has_the_z_that_the_program_prints(self):
         for name, options in (("few", dict(followers=10, realizations=5)), ("many", dict(followers=3, steps=60, realizations=300)),
                               ("lossy", dict(followers=2, steps=30, realizations=4000, loss=0.1))):

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import html
 import os
 import re
 import shlex
-from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 import stochastic_platoon as sp
 from matplotlib.figure import Figure
 from plotting import amplification, files, gaps, style, tracking_errors
 from reporting import losses
+from reporting.markup import badge, escaped, hundredths, number, pairs, table, warning
 from scipy import special
 from stochastic_platoon.tables import Table
 
@@ -41,41 +41,6 @@ td.number, th.number { text-align: right; } code { font-size: .95em; overflow-wr
 @media print { body { margin: 0; max-width: none; font-size: 10.5pt; } h2 { break-before: page; } h2:first-of-type { break-before: auto; }
   figure, tr, .badge { break-inside: avoid; } @page { size: A4; margin: 16mm; } }
 """
-
-
-def escaped(value: object) -> str:
-    return html.escape(str(value))
-
-
-def number(value: Optional[float], digits: int = 6) -> str:
-    return "–" if value is None or not np.isfinite(value) else "{:.{}g}".format(value, digits).replace("-", "\u2212")
-
-
-def hundredths(value: float) -> str:
-    """The value as the program prints a z."""
-    return "{:.2f}".format(value).replace("-", "\u2212") if np.isfinite(value) else "–"
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
-    """A table of escaped cells; all columns but the first are numbers."""
-    classes = ["" if at == 0 else ' class="number"' for at in range(len(head))]
-    lines = ["<table>" + ("<caption>{}</caption>".format(escaped(caption)) if caption else "")]
-    lines.append("<tr>{}</tr>".format("".join("<th{}>{}</th>".format(kind, escaped(cell)) for kind, cell in zip(classes, head))))
-    lines += ["<tr>{}</tr>".format("".join("<td{}>{}</td>".format(kind, escaped(cell)) for kind, cell in zip(classes, row))) for row in rows]
-    return "\n".join(lines) + "\n</table>"
-
-
-def pairs(rows: Iterable[Tuple[str, object]]) -> str:
-    cells = ("<tr><th>{}</th><td>{}</td></tr>".format(escaped(name), escaped(value)) for name, value in rows)
-    return "<table>\n{}\n</table>".format("\n".join(cells))
-
-
-def badge(text: str, kind: str) -> str:
-    return '<span class="badge {}">{}</span>'.format(kind, escaped(text))
-
-
-def warning(text: str) -> str:
-    return '<p class="warning">{}</p>'.format(escaped(text))
 
 
 def flattened(value: Any, path: str = "") -> Iterator[Tuple[str, str]]:
@@ -130,13 +95,15 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
     means_only = agreement["max_abs_z_variance"] is None
     agreeing = "complete, undamaged, {}in agreement".format("means " if means_only else "")
     parts.append(badge(agreeing, "good") if not problems and run.max_abs_z is not None
-                 else badge("complete and undamaged, not compared with a theory", "open") if not problems else badge("check failed", "bad"))
+                 else badge("complete and undamaged, " + compared_part(agreement), "open") if not problems else badge("check failed", "bad"))
     collisions = collisions_of(run)
     if collisions is not None:
         parts.append(badge("collisions: in {} of {} realizations of the follower with the most".format(*collisions), "bad") if collisions[0]
                      else badge("collisions: in none of {} realizations".format(collisions[1]), "good"))
         parts += below_safe_gap(run.gaps, run.realizations)
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
+    if agreement["reason"]:
+        text += "\n<p>No verdict on the tracking errors: {}.</p>".format(escaped(agreement["reason"]))
     if run.max_abs_z is not None:
         of_mean, of_variance, plausible = (number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z"))
         text += "\n<p>{}. Over all followers and steps the largest |z| is {} of the mean{}; chance alone exceeds " \
@@ -144,6 +111,13 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
                     meaning_of_z(run), of_mean, "" if means_only else " and {} of the variance".format(of_variance), plausible)
     return "\n".join([text, *("<p>{} {}</p>".format(badge("check", "bad"), escaped(problem)) for problem in problems),
                       *(warning("Warning: " + sentence) for sentence in warnings_of(run))])
+
+
+def compared_part(agreement: Any) -> str:
+    """What was compared of a run whose tracking errors were not."""
+    signals = ", ".join(name.replace("_", " ") for name, of in agreement.get("signals", {}).items() if of["max_abs_z_mean"] is not None)
+    return ("tracking errors not compared with the theory" if agreement["reason"] else "not compared with a theory") + \
+        (", signals in agreement ({})".format(signals) if signals else "")
 
 
 def warnings_of(run: sp.Results) -> List[str]:

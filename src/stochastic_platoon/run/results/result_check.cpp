@@ -117,6 +117,18 @@ void check_figures(const ResultTables& files, const Configuration& configuration
   if (growth) problems.push_back("measurement and verdict disagree: " + *growth);
 }
 
+// What was compared of a run whose tracking errors were not, and why these were not.
+std::string not_compared(const nlohmann::json& agreement) {
+  std::string text = "not compared with a theory", signals;
+  if (const nlohmann::json& reason = agreement.at("reason"); !reason.is_null())
+    text = "tracking errors not compared with the theory (" + reason.get<std::string>() + ")";
+  const nlohmann::json of_signals = agreement.value("signals", nlohmann::json::object());
+  for (const auto& [name, of] : of_signals.items()) {
+    if (recorded_agreement(of)) signals += (signals.empty() ? ", signals in agreement (" : ", ") + in_words(name);
+  }
+  return text + signals + (signals.empty() ? "" : ")");
+}
+
 std::string passed(const nlohmann::json& summary, const RunOptions& run) {
   const std::optional<Agreement> found = recorded_agreement(summary.at("agreement"));
   const nlohmann::json& stable = summary.at("theory").at("string_stable");
@@ -131,7 +143,7 @@ std::string passed(const nlohmann::json& summary, const RunOptions& run) {
   return formatted(
       "%s; complete, undamaged, %s: %llu followers, %lld steps, %llu realizations%s, seed %llu", verdict,
       found ? ((found->means_only ? "means in agreement" : "in agreement") + compared + largest_score(*found)).c_str()
-            : "not compared with a theory",
+            : not_compared(summary.at("agreement")).c_str(),
       summary.at("followers").get<unsigned long long>(), summary.at("steps").get<long long>(),
       static_cast<unsigned long long>(realizations), part.empty() ? "" : (" (a part of the run, " + part + ")").c_str(),
       summary.at("seed").get<unsigned long long>());

@@ -16,6 +16,7 @@
 #include "stochastic_platoon/run/report/json_value.hpp"
 #include "stochastic_platoon/run/report/linear_theory.hpp"
 #include "stochastic_platoon/run/results/age_results.hpp"
+#include "stochastic_platoon/run/results/no_verdict.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
@@ -39,8 +40,13 @@ nlohmann::json agreement_json(const std::optional<Agreement>& agreement) {
 }
 
 // The scores of the tracking errors, and under `signals` those of every signal by its name.
-nlohmann::json agreements_json(const RunOptions& run, const Prediction& prediction, const RunResult& result) {
-  nlohmann::json all = agreement_json(measured_agreement(run, prediction, result));
+nlohmann::json agreements_json(const Configuration& configuration, const Prediction& prediction,
+                               const RunResult& result) {
+  const RunOptions& run = configuration.run;
+  const std::optional<Agreement> found = measured_agreement(run, prediction, result);
+  nlohmann::json all = agreement_json(found);
+  const auto reason = found ? std::nullopt : reason_of_no_verdict(configuration, prediction, result);
+  all["reason"] = reason ? nlohmann::json(*reason) : nlohmann::json();
   for (std::size_t s = 0; s < result.signals.size(); ++s)
     all["signals"][run.signals[s]] = agreement_json(signal_agreement(run, prediction, result, s));
   return all;
@@ -95,7 +101,7 @@ nlohmann::json summary_json(const Configuration& configuration, const Prediction
           {"vehicle_steps_per_second", seconds > 0.0 ? vehicle_steps / seconds : 0.0},
           {"standard_error_of_variance", standard_errors_json(run, prediction, result)},
           {"largest_standard_error_of_variance", largest_standard_errors_json(run, prediction, result)},
-          {"agreement", agreements_json(run, prediction, result)},
+          {"agreement", agreements_json(configuration, prediction, result)},
           {"realizations_needed", number(needed)},
           {"theory", theory_json(prediction)},
           {"contradictions", prediction.contradictions},

@@ -7,6 +7,7 @@
 #include "stochastic_platoon/run/report/figure.hpp"
 #include "stochastic_platoon/run/report/plausibility.hpp"
 #include "stochastic_platoon/run/report/string_text.hpp"
+#include "stochastic_platoon/run/results/no_verdict.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
@@ -18,7 +19,7 @@ bool is_shown(std::size_t follower, std::size_t followers) {
   return followers <= 30 || follower <= 10 || follower + 10 > followers;
 }
 
-std::string heading(const Configuration& configuration, const RunResult& result) {
+std::string heading(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
   const std::string at =
       time_of_step(run.averaging() == Averaging::over_time ? result.last_step : run.steps - 1, configuration.model);
@@ -28,9 +29,10 @@ std::string heading(const Configuration& configuration, const RunResult& result)
   }
   std::string text =
       "time averages up to " + at +
-      formatted(
-          ", behind a burn-in of %s: variance over time; standard errors include the correlation of successive errors\n",
-          duration_in_steps(run.burn_in, configuration.model).c_str());
+      formatted(", behind a burn-in of %s: variance over time%s\n",
+                duration_in_steps(run.burn_in, configuration.model).c_str(),
+                prediction.warning.empty() ? "; standard errors include the correlation of successive errors"
+                                           : "");  // else there are none
   if (result.tally.attempts > 1)
     text += formatted("the run was begun %u times, each time with a burn-in and new noise\n", result.tally.attempts);
   return text;
@@ -72,51 +74,22 @@ std::string comparison(const Agreement& found, std::size_t cells, const char* of
       verdict.c_str(), cells, of, found.max_abs_z_mean, found.max_abs_z_variance, found.plausible_z);
 }
 
-// "29000": rounded up to two digits.
-std::string about(double number) {
-  const double unit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
-  return formatted(number < 1e15 ? "%.0f" : "%.2g", std::ceil(number / unit) * unit);
-}
-
-std::string no_verdict(std::uint64_t realizations, double needed) {
-  return formatted(
-             "No verdict: the tracking errors are not normal, and %llu realizations are too few to tell a difference from chance: ",
-             static_cast<unsigned long long>(realizations)) +
-         (std::isfinite(needed) ? "about " + about(needed) + " are needed, as far as these tell\n"
-                                : "no number is enough, as a fourth moment leaves the range of double\n");
-}
-
-std::string no_verdict_over_time(const Configuration& configuration, const Prediction& prediction,
-                                 const RunResult& result) {
-  if (!prediction.has_theory() || !prediction.warning.empty() || result.moments.empty()) return "";
-  const RunOptions& run = configuration.run;
-  for (const ResultCell& of : ResultCells(run, prediction, result).at(run.steps - 1)) {
-    if (of.follower > prediction.followers_with_theory || !std::isnan(of.share.expected)) continue;
-    return std::string("No verdict: ") +
-           (loses(configuration.model) ? "packets are lost, and averages over time may lack the rarest losses"
-                                       : "the standard errors are measured, by batch means of the run") +
-           "; monte_carlo compares such a string with its theory\n";
-  }
-  return "No verdict yet: the averages are worth fewer than 1000 independent errors\n";
-}
-
 }  // namespace
 
 std::string report(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
   const StringStability& stability = prediction.stability;
   std::string text = formatted("\nPlatoon of %zu followers, ", run.followers) + string_text(configuration.model) + ": ";
-  text += heading(configuration, result) + table(run, prediction, result);
+  text += heading(configuration, prediction, result) + table(run, prediction, result);
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   if (found) {
     text +=
         comparison(*found, cells_with_theory(run, prediction),
                    run.averaging() == Averaging::over_time ? "followers" : "(i, k)", is_papers(configuration.model));
   }
-  const std::optional<double> needed = realizations_needed(run, prediction, result);
-  if (!found && needed) text += no_verdict(result.realizations, *needed);
-  if (!found && run.averaging() == Averaging::over_time)
-    text += no_verdict_over_time(configuration, prediction, result);
+  const std::optional<std::string> reason =
+      found ? std::nullopt : reason_of_no_verdict(configuration, prediction, result);
+  if (reason && *reason != prediction.warning) text += "No verdict: " + *reason + "\n";
   text += signals_report(configuration, prediction, result);
   text += warning_lines(run_warnings(configuration, prediction, result));
   if (!prediction.warning.empty()) text += "Warning: " + prediction.warning + ".\n";

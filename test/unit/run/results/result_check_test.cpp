@@ -38,6 +38,27 @@ TEST_F(ResultCheckTest, AWholeRunInAgreementPasses) {
   EXPECT_EQ(passed.find("string stable; complete, undamaged, in agreement (largest |z| 0.5"), 0u) << passed;
 }
 
+TEST_F(ResultCheckTest, OfErrorsThatAreNotComparedItReportsWhyAndWhatWasCompared) {
+  configuration_.run.signals = {"gap", "relative_speed"};
+  lose_packets({0.001, {}, {1.0}});
+  EXPECT_EQ(problems(result_with_fourth_moments()), std::vector<std::string>());
+  const std::string passed = check_results(folder_.path()).passed;
+  EXPECT_TRUE(contains(passed,
+                       "complete, undamaged, tracking errors not compared with the theory (the tracking errors are "
+                       "not normal, and 20 realizations are too few to tell a difference from chance: about "))
+      << passed;
+  EXPECT_TRUE(
+      contains(passed, " are needed, as far as these tell), signals in agreement (gap, relative speed): 2 followers"))
+      << passed;
+}
+
+TEST_F(ResultCheckTest, OfARunWithoutATheoryItReportsThatNothingWasCompared) {
+  configuration_.run.external = {1};
+  predict_again();
+  EXPECT_EQ(problems(result()), std::vector<std::string>());
+  EXPECT_TRUE(contains(check_results(folder_.path()).passed, "complete, undamaged, not compared with a theory: 2 "));
+}
+
 TEST_F(ResultCheckTest, AnIncompleteRunDoesNotPass) {
   RunResult half = result();
   half.realizations = 10;

@@ -221,9 +221,10 @@ TEST_F(ReportTest, LabelsAveragesOverTime) {
   RunResult result = result_over_time();
   const std::string text = report_of(result);
   EXPECT_TRUE(contains(text, "time averages up to 99.9 s (step 999), behind a burn-in of 20 s (200 steps)"));
+  EXPECT_TRUE(contains(text, "; standard errors include the correlation of successive errors\n"));
   EXPECT_FALSE(contains(text, "was begun"));
   EXPECT_FALSE(contains(text, "agrees"));
-  EXPECT_TRUE(contains(text, "No verdict yet: the averages are worth fewer than 1000 independent errors"));
+  EXPECT_TRUE(contains(text, "No verdict: the averages are worth fewer than 1000 independent errors so far"));
   result.tally.attempts = 3;
   EXPECT_TRUE(contains(report_of(result), "was begun 3 times, each time with a burn-in and new noise"));
 }
@@ -274,6 +275,7 @@ TEST_F(ReportTest, JudgesAveragesOverTimeOnlyBehindASufficientBurnIn) {
   const RunResult unsettled = averages_over_time(configuration_, 100000);
   EXPECT_GT(unsettled.moments[0].variance(), 2.0 * 0.0128559) << "the transient counts";
   EXPECT_TRUE(contains(report_of(unsettled), "Warning: burn_in: 100: 2 s are below the "));
+  EXPECT_FALSE(contains(report_of(unsettled), "standard errors include the correlation")) << "there are none";
   EXPECT_FALSE(measured_agreement(configuration_.run, prediction_, unsettled));
   EXPECT_FALSE(contains(report_of(unsettled), "agree"));
 }
