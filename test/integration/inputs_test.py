@@ -70,7 +70,7 @@ class Inputs(ExternalTest):
             for n, name in enumerate(names):
                 topic = "/platoon/vehicle_{}/{}".format(i, name)
                 self.assertEqual(counts[topic], BATCHES * (STEPS + 1), topic)
-                self.assertEqual(carried.get(topic, "position"), inputs[n]["signal"])
+                self.assertEqual(carried[topic] if n > 0 else "position", inputs[n]["signal"])
         self.assertFalse([topic for topic in counts if topic.endswith("input")])
         self.check_received(bag)
         self.assert_replayed_run(bag, measured)
@@ -89,6 +89,14 @@ class Inputs(ExternalTest):
     def test_of_unlike_cars_that_lose_packets_in_one_process(self):
         bag, _ = self.check(self.write("model.yaml", json.dumps(mixed())), hosting="one_process")
         self.check_ages(bag)
+        self.check_names(bag)
+
+    def check_names(self, bag):
+        """Every message on inputs/<n> names its signal, a position too."""
+        with rosbag.Bag(bag) as opened:
+            named = {(topic.split("/vehicle_1/inputs/")[1], message.header.frame_id) for topic, message, _ in opened.read_messages()
+                     if "/vehicle_1/inputs/" in topic}
+        self.assertEqual(named, {("0", "input"), ("2", "position"), ("3", "speed"), ("4", "acceleration")})
 
     def check_ages(self, bag):
         """ages.csv counts the losses of each input in the recording: noise makes every arrival another value."""

@@ -122,7 +122,7 @@ void Channel::transmit(Wire& wire, const Position& message, const LinkEnds& befo
   const MessageId id = id_of(message);
   const auto received = messages_.take();
   received->header = message.header;
-  if (wire.kind.signal != InputSignal::position) received->header.frame_id = name_of(wire.kind.signal);
+  if (!wire.kind.of_predecessors_position()) received->header.frame_id = name_of(wire.kind.signal);
   set_id(message.run, id, *received);
   wire.link->transmit(id.step, first_noise_realization(run_.schedule(), id), sent_by(wire, message), received->position,
                       before);
