@@ -44,8 +44,13 @@ class Run(unittest.TestCase):
 
     def test_its_settings_are_parameters_with_the_names_of_the_launch_arguments(self):
         settings = rospy.get_param("/platoon")
-        expected = dict(followers=self.followers, steps=self.steps, realizations=self.realizations, headway=self.headway,
-                        output=self.output, resume=False, external="")
+        shared = dict(headway=self.headway, loss=float(self.link.get("loss", 0.0)), delay=int(self.link.get("delay", 0)), mean_burst="")
+        if self.model == "lossy.yaml":
+            shared.update(loss=0.1)
+        if self.model == "mixed.yaml":  # whose trucks have values of their own
+            shared = dict.fromkeys(shared, "")
+        expected = dict(followers=self.followers, steps=self.steps, realizations=self.realizations, noise_variance=0.6,
+                        output=self.output, resume=False, external="", **shared)
         self.assertEqual({name: settings.get(name) for name in expected}, expected)
 
     def test_the_verdict_on_string_stability_is_the_papers(self):
