@@ -94,7 +94,10 @@ int analyze_main(int argc, char** argv) {
          platoon::all_signal_names() +
              ", separated by commas: their moments beside those of the errors; with the speed its amplification"},
         {"collision_probability",
-         "per step, above 0, below 0.5: collisions, and the standstill distance that keeps to it"}}});
+         "per step, above 0, below 0.5: collisions, and the standstill distance that keeps to it"}},
+       false,
+       {},
+       {{"steps", platoon::kStepsHelp}, {"burn_in", "steps that the amplification of the speed leaves out (none)"}}});
   try {
     platoon::ProblemCollector problems;
     if (given.has("sweep_gain") && !given.has("sweep_headway"))

@@ -41,6 +41,8 @@ void require_values(int argc, char** argv, const options::options_description& k
 
 }  // namespace
 
+const char* const kStepsHelp = "steps per realization, 1 or more; empty: 10 s of driving, from 100 to 10000 steps";
+
 std::string option_name(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
@@ -52,7 +54,7 @@ CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& acc
     const auto other = accepted.help.find(name);
     help[name] = other == accepted.help.end() ? help_of(name) : other->second;
   }
-  options::options_description description(accepted.purpose);
+  options::options_description description;
   description.add_options()("help,h", "print this")("version", "print the version");
   for (const auto& [name, text] : help) {
     const auto value = options::value<std::string>();
@@ -75,7 +77,7 @@ CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& acc
     options::store(options::command_line_parser(argc, argv).options(known).positional(positionals).style(style).run(),
                    values);
     if (values.count("help") > 0) {
-      std::cout << description;
+      std::cout << accepted.purpose << "\n" << description;
       std::exit(0);
     }
     if (values.count("version") > 0) {

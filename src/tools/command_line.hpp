@@ -9,7 +9,7 @@ namespace platoon {
 
 /// The command line that a tool accepts, besides --help and --version.
 struct AcceptedOptions {
-  std::string purpose;                           ///< first line of the help
+  std::string purpose;                           ///< first lines of the help
   std::set<std::string> settings;                ///< of the platoon, see settings()
   std::map<std::string, std::string> options;    ///< of the tool, with their help
   bool words = false;                            ///< whether arguments without a name are accepted
@@ -45,6 +45,9 @@ CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& acc
 /// The name on the command line: settings have the names of launch arguments, and options hyphens in place of their
 /// underscores.
 std::string option_name(std::string name);
+
+/// The help of `steps` in tools without endless runs.
+extern const char* const kStepsHelp;
 
 /// The number of worker threads that the option `threads` gives, by default one per core. Throws ConfigurationError.
 unsigned threads_of(const CommandLine& line);

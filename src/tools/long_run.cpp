@@ -24,7 +24,7 @@ void request_stop(int signal) {
 }  // namespace
 
 const char *const kThreadsHelp = "worker threads (one per core); the result does not depend on it",
-                  *const kShardHelp = "I/N: only part I = 0 .. N - 1 of the realizations, for merge",
+                  *const kShardHelp = "I/N: only part I = 0 .. N - 1 of the realizations",
                   *const kCheckpointHelp = "seconds between checkpoints (10), from which the same command continues";
 
 void stop_on_signals() {

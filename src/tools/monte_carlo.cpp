@@ -107,17 +107,17 @@ int monte_carlo_main(int argc, char** argv) {
        {"model", "headway", "headway_seconds", "noise_variance", "loss", "mean_burst", "delay", "leader", "followers",
         "steps", "realizations", "batch", "seed", "signals", "output", "burn_in"},
        {{"threads", platoon::kThreadsHelp},
-        {"shard", platoon::kShardHelp},
+        {"shard", platoon::kShardHelp + std::string(", for merge")},
         {"checkpoint_seconds", platoon::kCheckpointHelp},
         {"repeat", "summary.json of a run: repeats it into another output folder and compares the results"},
         {"only", "number of a realization of the run: with --trajectories, instead of the run"},
         {"trajectories", "writes trajectories.csv: every position, input and signal of that realization"}},
        false,
        {"trajectories"},
-       {{"steps", "steps per realization, 1 or more; empty: 10 s of driving, from 100 to 10000 steps"},
+       {{"steps", platoon::kStepsHelp},
         {"batch", std::string("realizations that a thread computes at once (") + platoon::kMonteCarloBatch +
                       ", with signals " + platoon::kMonteCarloBatchWithSignals + ")"},
-        {"output", "folder for the results"},
+        {"output", "folder for the results; required"},
         {"burn_in", "steps that amplification.csv leaves out (none)"}}});
   platoon::ignore_file_size_signal();
   platoon::stop_on_signals();

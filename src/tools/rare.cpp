@@ -146,13 +146,13 @@ int rare_main(int argc, char** argv) {
         {"only",
          "with --trajectories: number of a conditioned realization or of a repetition; without it the most likely realization, or the first repetition"},
         {"threads", platoon::kThreadsHelp},
-        {"shard", platoon::kShardHelp},
+        {"shard", platoon::kShardHelp + std::string("; rare DIR... --output DIR joins the parts")},
         {"checkpoint_seconds", platoon::kCheckpointHelp}},
        true,
        {"trajectories"},
-       {{"steps", "steps per realization, 1 or more; empty: 10 s of driving, from 100 to 10000 steps"},
+       {{"steps", platoon::kStepsHelp},
         {"realizations", "realizations per follower, or per level of a splitting (10000)"},
-        {"output", "folder for the results"},
+        {"output", "folder for the results; required"},
         {"burn_in", "steps at the start in which a small gap does not count (0)"}}});
   platoon::ignore_file_size_signal();
   platoon::stop_on_signals();

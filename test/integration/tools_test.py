@@ -4,6 +4,7 @@
 import hashlib
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -48,14 +49,24 @@ class EveryTool(unittest.TestCase):
                     self.assertEqual(done.returncode, 0, program)
                     self.assertEqual("--version" in done.stdout, program not in others, program)
                     self.assertRegex(done.stdout, r"Example: (rosrun\s+stochastic_platoon )?[\w./]", program)
+                    self.assertNotRegex(done.stdout, r"(?m)^Example: .*:$", program)  # a copied line would end in a colon
                     # Options are listed by their names, not in the order of the source.
                     self.assertNotRegex(done.stdout, r"(?m)^ +-.*(  | arg +)the same\b", program)
                     self.assertEqual(os.listdir(folder), [], program)
 
     def test_the_help_offers_nothing_that_is_rejected(self):
-        text = run(live_platoon.executable("monte_carlo"), "--help").stdout
-        for rejected in ("endless", "ROS home", "per message"):
-            self.assertNotIn(rejected, text)
+        for program in ("monte_carlo", "rare", "analyze"):
+            text = run(live_platoon.executable(program), "--help").stdout
+            for rejected in ("endless", "ROS home", "per message"):
+                self.assertNotIn(rejected, text)
+            self.assertEqual("for merge" in " ".join(text.split()), program == "monte_carlo")  # which rejects the shards of rare
+
+    def test_every_figure_has_an_example_that_names_it(self):
+        plot = live_platoon.executable("plot")
+        figures = re.findall(r"(?m)^    (\w+) ", run(plot, "--help").stdout)
+        self.assertEqual(len(figures), 11)
+        for figure in figures:
+            self.assertRegex(run(plot, figure, "--help").stdout, r"Example: rosrun\s+stochastic_platoon\s+plot\s+{} ".format(figure))
 
     def test_rejects_an_option_that_it_does_not_know(self):
         for program in self.programs():
