@@ -23,8 +23,15 @@ namespace platoon {
 
 namespace {
 
-constexpr char kNoFourthMoments[] =
-    "losses by radio, of several inputs, or in bursts: the theory has means and variances but not the scatter of measured variances, so that the means alone are judged";
+// The losses of a model that needs_chain_moments(), which have no fourth moments.
+std::string no_fourth_moments(const PlatoonModel& model) {
+  const char* const losses = has_bursts(model) ? "losses in bursts"
+                             : hears_predecessors_only(model)
+                                 ? "lost positions after a steady start"
+                                 : "losses in a string that hears others than predecessors";
+  return std::string(losses) +
+         ": the theory has means and variances but not the scatter of measured variances, so that the means alone are judged";
+}
 
 // The cells in which losses carry on what is left of the start, or of a change of speed, in more than a share of the
 // variance: that is a product of random factors, which few realizations carry, so that its fourth moment is unknown.
@@ -142,10 +149,13 @@ Prediction theory_of(const Configuration& configuration, std::vector<SignalFigur
   const RunOptions& run = configuration.run;
   if (const auto reason = no_theory(configuration.model)) return no_prediction(configuration, *reason);
   const bool plain = hears_predecessors_only(configuration.model), of_chain = needs_chain_moments(configuration.model);
-  if (of_chain && run.steps > 0 && run.steps > most_chain_steps(configuration.model, run.followers)) {
-    return no_prediction(configuration, formatted("the exact moments of %s take the square of the %lld steps",
-                                                  has_bursts(configuration.model) ? "losses in bursts" : "such losses",
-                                                  static_cast<long long>(run.steps)));
+  const std::int64_t most = of_chain ? most_chain_steps(configuration.model, run.followers) : run.steps;
+  if (run.steps > most) {
+    return no_prediction(
+        configuration,
+        formatted("the exact moments of %s take the square of the %lld steps, and at most %lld for these vehicles",
+                  has_bursts(configuration.model) ? "losses in bursts" : "such losses",
+                  static_cast<long long>(run.steps), static_cast<long long>(most)));
   }
   if (run.followers_before_external() == 0)
     return no_prediction(configuration, "vehicle_1, which the others follow, is external");
@@ -166,7 +176,7 @@ Prediction theory_of(const Configuration& configuration, std::vector<SignalFigur
         string_moments(configuration.model, names, run.followers, run.steps, &prediction.fourth_cumulant);
     motion = signal_figures(names, moments.signals, run.followers_before_external(), run.steps);
     moments.signals.resize(run.signals.size());
-    if (of_chain) prediction.warning = kNoFourthMoments;
+    if (of_chain) prediction.warning = no_fourth_moments(configuration.model);
     prediction.means_only = of_chain;
     if (!prediction.fourth_cumulant.empty())
       prediction.remainders =

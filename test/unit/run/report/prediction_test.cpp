@@ -92,6 +92,7 @@ TEST_F(PredictionTest, OfLossesInBurstsIsExactWithAVerdictOfTheMeans) {
   EXPECT_TRUE(prediction.has_theory());
   EXPECT_EQ(prediction.variance, error_moments(configuration_.model, 2, 3).variance);
   EXPECT_TRUE(prediction.fourth_cumulant.empty());
+  EXPECT_TRUE(contains(prediction.warning, "losses in bursts: the theory has means and variances"));
   EXPECT_TRUE(contains(prediction.warning, "the means alone are judged"));
   EXPECT_TRUE(prediction.means_only);
   configuration_.run.steps = 0;
@@ -101,6 +102,20 @@ TEST_F(PredictionTest, OfLossesInBurstsIsExactWithAVerdictOfTheMeans) {
   EXPECT_NEAR(over_time.mean[0], 0.4, 1e-12);
   EXPECT_TRUE(over_time.error_correlation.empty());
   EXPECT_EQ(over_time.warning, "");
+}
+
+TEST_F(PredictionTest, OfLostPositionsAfterASteadyStartNamesThem) {
+  configuration_.model.default_vehicle().position().link.loss = LossModel{0.1, {}, {1.0}};
+  configuration_.model.start = Start::steady;
+  EXPECT_TRUE(contains(predict(configuration_).warning, "lost positions after a steady start: the theory has"));
+}
+
+TEST_F(PredictionTest, OfMoreStepsThanTheMomentsOfBurstsTakeNamesTheLimit) {
+  configuration_.model.default_vehicle().position().link.loss = LossModel{0.1, 2.0, {1.0}};
+  configuration_.run.steps = 2001;
+  EXPECT_EQ(
+      predict(configuration_).stability.reason,
+      "none, as the exact moments of losses in bursts take the square of the 2001 steps, and at most 2000 for these vehicles");
 }
 
 TEST_F(PredictionTest, DoesNotExistBehindAnExternalVehicle) {
