@@ -91,6 +91,19 @@ class Models(ModuleTest):
             self.assertEqual((keys["time_headway"], keys["standstill_distance"]), (vehicle.time_headway, vehicle.standstill_distance))
             self.assertEqual(keys["controller"], model.to_dict()["controller"])
 
+    def test_the_keys_of_a_vehicle_are_a_model(self):
+        """The keys of its type come without those of the default vehicle that they exclude."""
+        loop = sp.Model.load("closed_loop.yaml")
+        paper = sp.Model.load().to_dict()
+        given = {"closed_loop": loop.to_dict()["closed_loop"], "time_headway": loop.time_headway}
+        for base, own in ((sp.Model.load("acc_limits.yaml"), given), (loop, {key: paper[key] for key in ("plant", "controller", "time_headway")}),
+                          (sp.Model.load("acc.yaml"), {"spacing": "constant"}), (sp.Model.load("path_cacc.yaml"), {"spacing": "headway", "time_headway": 12})):
+            model = base.replace({"allow_unstable": True, "vehicle_types": {"other": own}, "string": ["other", "default"]})
+            for index in (1, 2):
+                keys = model.vehicle_to_dict(index)
+                self.assertEqual(sp.Model.from_dict(keys).vehicle(0).time_headway, model.vehicle(index).time_headway)
+                self.assertEqual("closed_loop" in keys, "plant" not in keys)
+
     def test_bad_models_raise_with_the_texts_of_the_tools(self):
         model = sp.Model.load()
         self.assertRaisesText(FileNotFoundError, "nowhere.yaml", sp.Model.load, "nowhere.yaml")

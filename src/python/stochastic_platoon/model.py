@@ -61,6 +61,10 @@ class Vehicle:
     speed: float  #: V [m/s], at which all vehicles have driven up to step -1: 0 from rest, else the leader's first speed
 
 
+#: The keys of the default vehicle that a key of a type excludes.
+EXCLUDED = {"closed_loop": ("plant", "controller", "limits"), "plant": ("closed_loop",), "spacing": ("time_headway",)}
+
+
 class Model:
     """A platoon as its model file describes it (config/README.md). Models are immutable: replace() returns another one."""
 
@@ -92,7 +96,7 @@ class Model:
     def replace(self, changes: Optional[Mapping[str, Any]] = None, **keys: Any) -> Model:
         """The model with other values of keys of the model file; nested ones as a path: replace({"channel/delay": 2}).
 
-        The short names of launch arguments work, too: headway, loss, mean_burst, delay, leader. A relative path of a table
+        The short names of launch arguments work, too: headway, headway_seconds, loss, mean_burst, delay, leader. A relative path of a table
         (leader/file, channel/loss/trace) is one from the working directory. Raises ValueError with all problems.
         """
         named = {str(name): _as_json(value, name) for name, value in {**(changes or {}), **keys}.items()}
@@ -115,13 +119,16 @@ class Model:
         return self._handle.manoeuvres()
 
     def vehicle_to_dict(self, index: int) -> Dict[str, Any]:
-        """The keys and values of the model file for vehicle `index`: those of its type in place of the default ones.
+        """The keys and values of the model file for vehicle `index`: those of its type in place of the default ones, without default
+        ones that they exclude.
 
         Raises IndexError for a negative index.
         """
         document = self.to_dict()
         string, types = document.get("string", ["default"]), document.get("vehicle_types", {})
-        return {**document, **(types.get(string[(index - 1) % len(string)], {}) if checked_vehicle(index) > 0 else {})}
+        own = types.get(string[(index - 1) % len(string)], {}) if checked_vehicle(index) > 0 else {}
+        excluded = {key for name in own for key in EXCLUDED.get(name, ())}
+        return {**{key: value for key, value in document.items() if key not in excluded}, **own}
 
     @property
     def spacing(self) -> str:
