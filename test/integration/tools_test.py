@@ -62,8 +62,8 @@ class EveryTool(unittest.TestCase):
             self.assertEqual("for merge" in " ".join(text.split()), program == "monte_carlo")  # which rejects the shards of rare
 
     def test_every_figure_has_an_example_that_names_it(self):
-        plot = live_platoon.executable("plot")
-        figures = re.findall(r"(?m)^    (\w+) ", run(plot, "--help").stdout)
+        plot = live_platoon.shared("src", "tools", "plot")
+        figures = re.findall(r"(?m)^    (\w+)(?: |$)", run(plot, "--help").stdout)
         self.assertEqual(len(figures), 11)
         for figure in figures:
             self.assertRegex(run(plot, figure, "--help").stdout, r"Example: rosrun\s+stochastic_platoon\s+plot\s+{} ".format(figure))
