@@ -276,14 +276,13 @@ void Monitor::show_start(double present) {
 }
 
 void Monitor::show_manoeuvre(bool departs) {
-  if (departs == departs_) return;
-  departs_ = departs;
+  if (std::exchange(departs_, departs) == departs) return;
   if (departs) {
     ROS_INFO("the leader manoeuvres: averages are paused until its effect has decayed");
   } else {
+    const char* const later = has_limits(configuration_.model) ? ", later if limits hold a vehicle back" : "";
     ROS_INFO_STREAM("the leader drives by the model file again: averages go on in "
-                    << duration_in_steps(configuration_.run.burn_in, configuration_.model)
-                    << (has_limits(configuration_.model) ? ", later if limits hold a vehicle back" : ""));
+                    << duration_in_steps(configuration_.run.burn_in, configuration_.model) << later);
   }
 }
 
