@@ -86,7 +86,8 @@ TEST_F(ResultFilesTest, TheSummaryHasEveryKey) {
     EXPECT_EQ(keys.count(key), 1u) << key;
   }
   EXPECT_EQ(keys_of(summary["agreement"]),
-            (std::set<std::string>{"max_abs_z_mean", "max_abs_z_variance", "plausible_z"}));
+            (std::set<std::string>{"max_abs_z_mean", "max_abs_z_variance", "plausible_z", "reason"}));
+  EXPECT_TRUE(summary["agreement"]["reason"].is_null()) << "the errors are compared";
   EXPECT_EQ(keys_of(summary["theory"]),
             (std::set<std::string>{"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable",
                                    "string_stable", "loss_gain", "limit_variance", "reason", "stationary_variance"}));
@@ -165,6 +166,8 @@ TEST_F(ResultFilesTest, TheSummaryHasTheRealizationsThatAVerdictNeedsIfPacketsAr
   EXPECT_EQ(summary["realizations_needed"], std::ceil(needed));
   EXPECT_GT(needed, 20.0);
   EXPECT_TRUE(summary["agreement"]["max_abs_z_mean"].is_null());
+  EXPECT_TRUE(
+      contains(summary["agreement"]["reason"], "20 realizations are too few to tell a difference from chance: about "));
   const std::size_t last = cell(2, 2, 3);
   const double square = prediction_.variance[last] * prediction_.variance[last];
   EXPECT_NEAR(summary["standard_error_of_variance"][1].get<double>(), std::sqrt((fourth[last] - square) / 20.0), 1e-12);
@@ -178,7 +181,7 @@ TEST_F(ResultFilesTest, LossesInBurstsHaveATheoryAndNoVerdict) {
   EXPECT_TRUE(summary["theory"]["stationary_variance"].at(1).is_number());
   EXPECT_TRUE(summary["agreement"]["max_abs_z_variance"].is_null());
   EXPECT_TRUE(summary["realizations_needed"].is_null());
-  EXPECT_TRUE(contains(summary["warning"], ", or in bursts"));
+  EXPECT_TRUE(contains(summary["warning"], "losses in bursts: the theory has means and variances"));
 }
 
 TEST_F(ResultFilesTest, TheSummaryCountsLostPositions) {
