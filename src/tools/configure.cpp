@@ -123,8 +123,11 @@ void require_all_in_one_process(const platoon::CommandLine& line, const platoon:
 // The largest number of a vehicle where the configuration is faulty, and with it perhaps the number of followers; none
 // if `last` repeats that one's fault, as it does by default.
 std::optional<std::int64_t> given_followers(const platoon::CommandLine& line) {
-  const std::string given = line.setting("followers");
-  if (given.empty()) return platoon::kMaxFollowers;
+  std::string given = line.setting("followers");
+  for (const platoon::Setting& setting : platoon::settings()) {
+    if (given.empty() && line["bag"].empty() && setting.name == std::string("followers")) given = setting.default_value;
+  }
+  if (given.empty()) return platoon::kMaxFollowers;  // those of the recording
   const auto number = platoon::ProblemCollector().result_of(
       [&] { return platoon::integer_of("followers", given, 1, platoon::kMaxFollowers); });
   if (!number && line["last"] == given) return std::nullopt;

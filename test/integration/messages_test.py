@@ -73,7 +73,7 @@ class Rejected(FolderTest):
         own = dict(headway="-3", loss="2", record="foo", first="3", last="1", noise_variance="-1", delay="-1", external="9", dashboard_port="x")
         said = ["model/time_headway: -3: must be", "model/channel/loss/probability: 2: must be", "model/noise_variance: -1: must be",
                 "model/channel/delay: -1: must be", "record: {}: must be a file name".format(os.path.abspath("foo")),
-                "dashboard_port: x: must be", "last: 1: must be a whole number from 2 to "]
+                "dashboard_port: x: must be", "last: 1: must be a whole number from 2 to 20"]
         self.check(said, **own)
         self.check(["model: nope.yaml: no such file", *said], model="nope.yaml", **own)
         self.check(["model: nope.yaml: no such file", "model/leader/file: cit.csv: no such file"], model="nope.yaml", leader="cit.csv",
