@@ -54,7 +54,7 @@ RunStatistics::RunStatistics(const Configuration& configuration, const Checkpoin
                 static_cast<std::int64_t>(steps_before(signals_.front())), start_slope(configuration.model),
                 measured_followers(configuration)) {
   if (configuration.run.averaging() == Averaging::over_realizations) return;
-  leader_.emplace(ModelLeader{LeaderVehicle(configuration.model), 0.0});
+  leader_.emplace(ModelLeader{LeaderVehicle(configuration.model), 0.0, false});
   averages_->saw_leader(kNothingYet, true);
 }
 
@@ -72,9 +72,11 @@ SignalAssembly::Receipt RunStatistics::receive(std::size_t vehicle, const Messag
 void RunStatistics::compare_leader(std::int64_t step, double position) {
   constexpr double kSame = 1e-6;  // [m] per step: above any rounding, and far below any noise
   const double ahead = position - (step == kInitialStep ? leader_->vehicle.start() : leader_->vehicle.step());
-  leader_departs_ = step != kInitialStep && !(std::abs(ahead - leader_->ahead) <= kSame);
+  const bool departs = step != kInitialStep && !(std::abs(ahead - leader_->ahead) <= kSame);
+  leader_departs_ = departs || (step != kInitialStep && leader_->departed);
+  leader_->departed = departs;
   leader_->ahead = ahead;
-  averages_->saw_leader(step, !leader_departs_);
+  averages_->saw_leader(step, !departs);
 }
 
 ReducedSignals RunStatistics::reduced(const DueSignals& due) const {

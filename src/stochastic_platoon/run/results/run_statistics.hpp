@@ -51,7 +51,8 @@ public:
   const Arrivals& arrivals() const { return assembly_.arrivals(); }
   const ErrorAverages& averages() const { return *averages_; }
 
-  /// In an endless run: whether the leader's latest step deviates from the model, as in a manoeuvre.
+  /// In an endless run: whether one of the leader's latest two steps deviates from the model, as in a manoeuvre; one
+  /// that swings has single steps as in the model.
   bool leader_departs() const { return leader_departs_; }
 
   /// Notes a platoon time [ns]; the latest counts.
@@ -81,7 +82,8 @@ private:
   /// Vehicle 0 of the model, for comparison with the actual leader, which may manoeuvre in an endless run.
   struct ModelLeader {
     LeaderVehicle vehicle;
-    double ahead;  ///< [m] position of the actual leader minus that of the model
+    double ahead;   ///< [m] position of the actual leader minus that of the model
+    bool departed;  ///< in its latest step
   };
   std::optional<ModelLeader> leader_;
   bool leader_departs_ = false;

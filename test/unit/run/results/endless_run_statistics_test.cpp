@@ -48,7 +48,7 @@ TEST_F(EndlessRunStatisticsTest, LeaveOutAManoeuvreOfTheLeader) {
       const auto elsewhere = std::make_shared<const std::vector<double>>(1, all.at(i, k)->front() + moved);
       ASSERT_EQ(take(statistics, i, {1, 0, k}, elsewhere), DropReason::none);
       if (i == 0) {
-        EXPECT_EQ(statistics.result(false).manoeuvre, k == kJump) << k;
+        EXPECT_EQ(statistics.result(false).manoeuvre, k == kJump || k == kJump + 1) << k;
       }
     }
   }
