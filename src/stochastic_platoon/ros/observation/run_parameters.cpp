@@ -42,7 +42,7 @@ nlohmann::json shared_value(const std::vector<VehicleModel>& vehicles, const Val
   const nlohmann::json first = value(vehicles.front());
   const bool is_shared =
       std::all_of(vehicles.begin(), vehicles.end(), [&](const VehicleModel& of) { return value(of) == first; });
-  return is_shared ? first : "";
+  return is_shared ? first : nlohmann::json("");
 }
 
 // Losses that one probability describes, with a mean burst or without; null if it does not.
