@@ -73,7 +73,7 @@ class Estimations(RareTest):
             self.assertEqual(process.returncode, 130, errors)
             self.assertIn("stopped after", output)
         options.update(realizations=20000, method="condition", output=self.path("condition"))
-        self.assertIn("holds a shard of another run: rare is", tool("rare", **options).stderr)
+        self.assertIn("holds a shard of another run: rare/realizations is 200000 there and 20000 here", tool("rare", **options).stderr)
 
     def test_a_follower_whose_event_is_out_of_reach_leaves_the_others_their_estimates(self):
         model = self.model(standstill_distance=3.0, vehicle_types={"far": {"standstill_distance": 80.0}}, string=["far", "default"])

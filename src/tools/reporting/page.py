@@ -102,7 +102,7 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
                      else badge("collisions: in none of {} realizations".format(collisions[1]), "good"))
         parts += below_safe_gap(run.gaps, run.realizations)
     text = "<p>{}</p>\n<p>Theory: {}.</p>".format("".join(parts), escaped(theory["reason"] or "none"))
-    if agreement["reason"]:
+    if "reason" in agreement:
         text += "\n<p>No verdict on the tracking errors: {}.</p>".format(escaped(agreement["reason"]))
     if run.max_abs_z is not None:
         of_mean, of_variance, plausible = (number(agreement.get(key), 3) for key in ("max_abs_z_mean", "max_abs_z_variance", "plausible_z"))
@@ -116,7 +116,7 @@ def verdict(run: sp.Results, problems: Sequence[str]) -> str:
 def compared_part(agreement: Any) -> str:
     """What was compared of a run whose tracking errors were not."""
     signals = ", ".join(name.replace("_", " ") for name, of in agreement.get("signals", {}).items() if of["max_abs_z_mean"] is not None)
-    return ("tracking errors not compared with the theory" if agreement["reason"] else "not compared with a theory") + \
+    return ("tracking errors not compared with the theory" if "reason" in agreement else "not compared with a theory") + \
         (", signals in agreement ({})".format(signals) if signals else "")
 
 

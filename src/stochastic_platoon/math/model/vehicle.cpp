@@ -91,6 +91,7 @@ LeaderVehicle::LeaderVehicle(const PlatoonModel& model)
       recorded_(model.recorded_leader),
       buffer_(1) {
   if (!moves_leader(model)) loop_ = loop_batch(model.default_vehicle().loop);
+  manoeuvre_.next_speed(profile_.speed(0));  // from which an order begins
 }
 
 // r_0 of the present step.
@@ -100,11 +101,12 @@ double LeaderVehicle::virtual_leader() const {
 }
 
 double LeaderVehicle::start() {
+  if (step_ != kNotStarted) manoeuvre_.end();
   step_ = -1;
+  if (!manoeuvre_.is_under_way()) manoeuvre_.next_speed(profile_.speed(0));
   departure_ = 0.0;
   control_ = 0.0;
   moved_ = slope_;
-  manoeuvre_.end();
   buffer_.assign(1, recorded_.empty() ? virtual_leader() : recorded_.front());
   if (loop_) {
     loop_->start(buffer_, slope_);

@@ -77,12 +77,13 @@ public:
   /// moved leader: the second difference of its positions over T_s^2.
   double input() const { return control_; }
 
-  /// Manoeuvre of the virtual leader that replaces its profile until the next start().
+  /// Manoeuvre of the virtual leader that replaces its profile until the next start(); one ordered before the first
+  /// start() begins with it.
   Manoeuvre& manoeuvre() { return manoeuvre_; }
 
 private:
   double virtual_leader() const;
-
+  static constexpr std::int64_t kNotStarted = -2;
   std::unique_ptr<LoopBatch> loop_;  ///< null: moved
   LeaderProfile profile_;
   double sample_period_;  ///< T_s [s]
@@ -90,7 +91,7 @@ private:
   double slope_, lag_;            ///< start_slope(), and that of the closed loop behind r_0 in steady motion [m]
   double departure_ = 0.0;        ///< departure of r_0 from its profile due to manoeuvres [m]
   std::vector<double> recorded_;  ///< y_0(-1), y_0(0), ... [m]; empty: not recorded
-  std::int64_t step_ = -1;
+  std::int64_t step_ = kNotStarted;
   std::vector<double> buffer_;
   double moved_ = 0.0;    ///< by the latest step [m]
   double control_ = 0.0;  ///< u_0(k-1) [m/s^2]

@@ -78,8 +78,6 @@ Manoeuvre& Leader::manoeuvre() {
     throw std::runtime_error(
         "rejected: in a run of many realizations the leader drives by the model file (leader/speed there); an endless run (live.launch, steps:=0) accepts orders");
   }
-  if (run_state_->stamp.isZero())  // the first step would end it
-    throw std::runtime_error("rejected: the run has not begun; the leader accepts orders once it has sent a step");
   return run_state_->vehicle.manoeuvre();
 }
 
@@ -159,8 +157,9 @@ bool Leader::publish_one() {
   const std::optional<MessageId> id = run_state_->credit.next(now());
   if (!id) return false;
   published_.take(*id);
+  const bool begins_again = id->step == kInitialStep && !run_state_->stamp.isZero();
   run_state_->stamp = later(run_state_->stamp, run_state_->period);
-  if (id->step == kInitialStep && run_state_->vehicle.manoeuvre().is_under_way())
+  if (begins_again && run_state_->vehicle.manoeuvre().is_under_way())
     ROS_WARN("the platoon begins again: the leader's manoeuvre is over");
   const double position = id->step == kInitialStep ? run_state_->vehicle.start() : run_state_->vehicle.step();
   send(position_, *id, position);

@@ -120,8 +120,8 @@ void check_figures(const ResultTables& files, const Configuration& configuration
 // What was compared of a run whose tracking errors were not, and why these were not.
 std::string not_compared(const nlohmann::json& agreement) {
   std::string text = "not compared with a theory", signals;
-  if (const nlohmann::json& reason = agreement.at("reason"); !reason.is_null())
-    text = "tracking errors not compared with the theory (" + reason.get<std::string>() + ")";
+  if (agreement.contains("reason"))
+    text = "tracking errors not compared with the theory (" + agreement.at("reason").get<std::string>() + ")";
   const nlohmann::json of_signals = agreement.value("signals", nlohmann::json::object());
   for (const auto& [name, of] : of_signals.items()) {
     if (recorded_agreement(of)) signals += (signals.empty() ? ", signals in agreement (" : ", ") + in_words(name);

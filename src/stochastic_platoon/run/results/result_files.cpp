@@ -46,7 +46,7 @@ nlohmann::json agreements_json(const Configuration& configuration, const Predict
   const std::optional<Agreement> found = measured_agreement(run, prediction, result);
   nlohmann::json all = agreement_json(found);
   const auto reason = found ? std::nullopt : reason_of_no_verdict(configuration, prediction, result);
-  all["reason"] = reason ? nlohmann::json(*reason) : nlohmann::json();
+  if (reason) all["reason"] = *reason;
   for (std::size_t s = 0; s < result.signals.size(); ++s)
     all["signals"][run.signals[s]] = agreement_json(signal_agreement(run, prediction, result, s));
   return all;

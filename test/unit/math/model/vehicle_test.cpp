@@ -97,6 +97,24 @@ TEST(LeaderVehicle, TracksARampAtItsHeadway) {
   }
 }
 
+TEST(LeaderVehicle, CarriesOutAnOrderFromBeforeItsFirstStartAndNoneFromBeforeTheNext) {
+  LeaderVehicle leader(paper_platoon()), by_model(paper_platoon());
+  leader.manoeuvre().brake();
+  const auto moved = [](LeaderVehicle& of) {
+    double before = of.start(), last = 0.0;
+    for (int k = 0; k < 200; ++k) {
+      const double now = of.step();
+      last = now - before;
+      before = now;
+    }
+    return last;
+  };
+  EXPECT_NEAR(moved(leader), 0.0, 1e-9);
+  const double driven = moved(by_model);
+  EXPECT_GT(driven, 1.0);
+  EXPECT_EQ(moved(leader), driven);
+}
+
 TEST(LeaderVehicle, ForgetsItsPastAtANewStart) {
   LeaderVehicle leader(paper_platoon());
   std::vector<double> first, second;
