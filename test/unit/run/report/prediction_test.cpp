@@ -152,10 +152,10 @@ TEST_F(PredictionTest, WarnsByTheWholeTheoryOfTheRunUpToTheFirstExternalVehicle)
   RunOptions& run = configuration_.run;
   run.followers = 3;
   run.steps = 300;
-  configuration_.model.leader = LeaderProfile({{0, 20.0}, {250, 0.0}}, configuration_.model.sample_period);
+  configuration_.model.leader = LeaderProfile({{0, 20.0}, {100, 60.0}}, configuration_.model.sample_period);
   const auto speaks_of_a_late_step = [](const std::vector<std::string>& warnings) {
     return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
-      return warning.rfind("acceleration:", 0) == 0 && contains(warning, "(step 25");
+      return warning.rfind("acceleration:", 0) == 0 && contains(warning, "(step 26");
     });
   };
   EXPECT_FALSE(speaks_of_a_late_step(plausibility_warnings(configuration_))) << "of the first steps alone";
