@@ -101,8 +101,8 @@ bool hears_predecessors_only(const PlatoonModel& model);
 /// The farthest vehicle ahead that a follower of the string hears, apart from the leader by name; at least 1.
 std::size_t farthest_ahead(const PlatoonModel& model);
 
-/// Of each follower i, a number of steps: zeta_i(k) depends on y_0 up to step k minus it. i - 1 where vehicles hear
-/// their predecessors, and fewer where one on the way hears farther ahead.
+/// The number d_i of steps for each follower i such that y_0(k - d_i) is the latest position of the leader on which
+/// zeta_i(k) depends: i - 1 if all vehicles hear their predecessors, less if a vehicle hears farther ahead.
 std::vector<std::int64_t> steps_from_leader(const PlatoonModel& model, std::size_t followers);
 
 /// Whether the platoon is the paper's: homogeneous, over channels that only add white noise.

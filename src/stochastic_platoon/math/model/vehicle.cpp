@@ -101,9 +101,11 @@ double LeaderVehicle::virtual_leader() const {
 }
 
 double LeaderVehicle::start() {
-  if (step_ != kNotStarted) manoeuvre_.end();
+  if (step_ != kNotStarted) {
+    manoeuvre_.end();
+    manoeuvre_.next_speed(profile_.speed(0));
+  }
   step_ = -1;
-  if (!manoeuvre_.is_under_way()) manoeuvre_.next_speed(profile_.speed(0));
   departure_ = 0.0;
   control_ = 0.0;
   moved_ = slope_;

@@ -42,21 +42,22 @@ void TimeStatistics::saw_leader(std::int64_t step, bool by_model) {
 }
 
 bool TimeStatistics::counts(std::size_t follower, std::int64_t step) const {
-  const std::vector<Steps>& held_back = followers_[follower - 1].held_back;
-  if (std::any_of(held_back.begin(), held_back.end(),
-                  [step](const Steps& of) { return of.from <= step && step < of.until; }))
-    return false;
+  if (followers_[follower - 1].is_held_back(step)) return false;
   if (departed_ == kNever) return step >= counts_from_;
   const std::int64_t hops = static_cast<std::int64_t>(follower) - 1;
-  if (step >= departed_ + distances_[follower - 1]) return step >= counts_from_ + hops;
+  if (is_reached(follower, step)) return step >= counts_from_ + hops;
   return step >= counted_from_ + (counted_from_ > burn_in_ ? hops : 0);
+}
+
+// Whether the latest manoeuvre began early enough to affect the error.
+bool TimeStatistics::is_reached(std::size_t follower, std::int64_t step) const {
+  return departed_ != kNever && step >= departed_ + distances_[follower - 1];
 }
 
 // Whether a manoeuvre affects the error directly; the burn-in behind it is not included.
 bool TimeStatistics::departs(std::size_t follower, std::int64_t step) const {
-  if (departed_ == kNever) return false;
   const std::int64_t hops = static_cast<std::int64_t>(follower) - 1;
-  return step >= departed_ + distances_[follower - 1] && step < counts_from_ - burn_in_ + hops;
+  return is_reached(follower, step) && step < counts_from_ - burn_in_ + hops;
 }
 
 void TimeStatistics::add(const ReducedSignals& signals) {
@@ -64,8 +65,8 @@ void TimeStatistics::add(const ReducedSignals& signals) {
   const bool at_limit = std::any_of(at.begin(), at.end(), [](std::uint64_t count) { return count > 0; });
   // With one realization the mean is the error itself.
   followers_.at(signals.follower - 1).early.emplace(signals.step, Error{signals.nodes.front().front().mean, at_limit});
-  for (std::size_t i = signals.follower; count_due(i) && limited_ && i < followers_.size(); ++i) {  // it may wait for i
-  }
+  std::size_t i = signals.follower;
+  while (count_due(i) && limited_ && i < followers_.size()) ++i;  // the next one may wait for it
 }
 
 // Whether an error was due.
@@ -75,20 +76,19 @@ bool TimeStatistics::count_due(std::size_t index) {
   return any;
 }
 
-namespace {
+bool TimeStatistics::Follower::is_held_back(std::int64_t step) const {
+  return std::any_of(held_back.begin(), held_back.end(),
+                     [step](const Steps& of) { return of.from <= step && step < of.until; });
+}
 
-// Joins the steps to those that they overlap or continue.
-template <typename Steps>
-void include(std::vector<Steps>& all, const Steps& added) {
-  for (Steps& known : all) {
+void TimeStatistics::Follower::hold_back(const Steps& added) {
+  for (Steps& known : held_back) {
     if (added.from > known.until || added.until < known.from) continue;
     known = {std::min(known.from, added.from), std::max(known.until, added.until)};
     return;
   }
-  all.push_back(added);
+  held_back.push_back(added);
 }
-
-}  // namespace
 
 // Extends the steps in which limits hold the follower back: from those of the vehicle ahead, and by its own.
 void TimeStatistics::hold_back(std::size_t index, std::int64_t step, bool at_limit) {
@@ -96,14 +96,13 @@ void TimeStatistics::hold_back(std::size_t index, std::int64_t step, bool at_lim
   Follower& own = followers_[index - 1];
   own.held = at_limit ? own.held + 1 : 0;
   if (index > 1) {
-    for (const Steps& of : followers_[index - 2].held_back) include(own.held_back, of);
+    for (const Steps& of : followers_[index - 2].held_back) own.hold_back(of);
   }
-  const bool departed = departed_ != kNever && step >= departed_ + distances_[index - 1];
-  if (!departed || counts(index, step)) {
+  if (!is_reached(index, step) || counts(index, step)) {
     own.usual = std::max(own.usual, own.held);
   } else if (own.held > kMoreThanUsual * own.usual + kShort &&
-             step - own.held >= departed_ + distances_[index - 1]) {  // not since before the manoeuvre
-    include(own.held_back, Steps{step, step + 1 + burn_in_});
+             is_reached(index, step - own.held)) {  // not since before the manoeuvre
+    own.hold_back({step, step + 1 + burn_in_});
   }
 }
 

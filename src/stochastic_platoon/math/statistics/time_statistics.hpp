@@ -67,11 +67,15 @@ private:
     std::map<std::int64_t, Error> early;  ///< of steps received early
     std::vector<Steps> held_back = {};    ///< excluded as limits hold it back, or a vehicle ahead
     std::int64_t held = 0, usual = 0;     ///< steps at a limit in a row: now, and the most outside of manoeuvres
+
+    bool is_held_back(std::int64_t step) const;
+    void hold_back(const Steps& added);  ///< joined to the steps that it overlaps or continues
   };
   bool count_due(std::size_t index);
   bool count_next(std::size_t index);
   void hold_back(std::size_t index, std::int64_t step, bool at_limit);
   bool counts(std::size_t follower, std::int64_t step) const;
+  bool is_reached(std::size_t follower, std::int64_t step) const;
   bool departs(std::size_t follower, std::int64_t step) const;
   bool measured(std::size_t index) const { return earlier_[index].count + followers_[index].moments.count > 0; }
 

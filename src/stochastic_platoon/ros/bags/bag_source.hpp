@@ -15,7 +15,7 @@ class BagError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Of the name of a file that is being written; a recording of an endless run keeps it.
+/// The name of a file ends with this while it is being written; the recording of an endless run keeps it.
 constexpr char kActiveSuffix[] = ".active";
 
 /// The states of a file that a reader accepts.
