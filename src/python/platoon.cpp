@@ -151,10 +151,9 @@ py::object json_of(const std::string& file) {
     if (depth > kDeepest) throw std::invalid_argument(file + ": nested too deep: must be at most 100 levels");
     return true;
   };
-  const nlohmann::json document =
-      unlocked([&] { return nlohmann::json::parse(read_file(file, kMostWrittenBytes), require_shallow, false); });
-  if (document.is_discarded()) throw std::invalid_argument(file + ": not JSON");
-  if (!document.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
+  nlohmann::json document =
+      unlocked([&] { return parse_json(read_file(file, kMostWrittenBytes), file, require_shallow); });
+  document.erase("crc32");
   return object_of(document);
 }
 
@@ -253,9 +252,7 @@ PYBIND11_MODULE(_platoon, module) {
     const ResultCheck check = unlocked([&] { return check_results(folder); });
     return py::make_tuple(check.problems, check.passed);
   });
-  module.def("read_table", [](const std::string& file) {
-    return dict_of(unlocked([&] { return parse_csv(read_file(file, kMostWrittenBytes), file); }));
-  });
+  module.def("read_table", [](const std::string& file) { return dict_of(unlocked([&] { return read_table(file); })); });
   module.def("read_json", &json_of, py::arg("file"));
   module.def("read_yaml", [](const std::string& file) { return object_of(load_yaml(file, "tuning file"), file); });
 }

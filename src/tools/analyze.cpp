@@ -17,6 +17,7 @@
 #include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/analysis_report.hpp"
 #include "stochastic_platoon/run/report/stability_map.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "tools/command_line.hpp"
 
 namespace {
@@ -133,7 +134,8 @@ int analyze_main(int argc, char** argv) {
     if (given.has("csv")) platoon::write_atomically(given["csv"], platoon::to_csv(points));
     if (!points.empty() && platoon::has_limits(model)) std::cout << "Stability map of the same cars without limits\n";
     if (!given.has("csv")) std::cout << platoon::report(points);
-    if (given.has("json")) platoon::write_atomically(given["json"], document.dump(1) + "\n");
+    if (given.has("json"))
+      platoon::write_atomically(given["json"], platoon::with_checksums(std::move(document), {}, 1));
     return 0;
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << "\n";

@@ -6,9 +6,12 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/run/configuration/single_number.hpp"
-#include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
+#include "stochastic_platoon/run/results/checkpoint.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
+#include "stochastic_platoon/run/results/trajectories_csv.hpp"
 
 namespace platoon {
 
@@ -43,10 +46,18 @@ Interruptible interruptible_by_signals() {
   });
 }
 
-void write_new(const std::string& file, const std::string& text) {
+std::string write_trajectories(const Configuration& configuration, std::uint64_t realization,
+                               const std::shared_ptr<const ChangedDraws>& changes) {
+  const std::string& output = configuration.run.output;
+  const std::string file = output + "/trajectories.csv";
+  const std::unique_ptr<FolderLock> lock = lock_output(configuration.run);
+  std::string csv = trajectories_csv(configuration, realization, changes);
   if (may_exist(file))
     throw ConfigurationError({"output: " + file + ": exists and is never overwritten: must be another folder"});
-  write_atomically(file, text);
+  nlohmann::json summary = provenance(configuration);
+  summary["realization"] = realization;
+  write_table(output, "trajectories", std::move(summary), std::move(csv));
+  return file;
 }
 
 ShardSettings shard_settings(const CommandLine& given) {

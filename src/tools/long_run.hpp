@@ -1,8 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
+#include "stochastic_platoon/math/noise/white_noise.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
+#include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "tools/command_line.hpp"
@@ -21,8 +24,10 @@ bool stop_requested();
 /// Interrupted.
 Interruptible interruptible_by_signals();
 
-/// Writes a file into the locked output folder. Throws ConfigurationError if it exists.
-void write_new(const std::string& file, const std::string& text);
+/// Writes trajectories.csv of a realization, as trajectories_csv(), and trajectories.json with its provenance and the
+/// checksums of both. Returns the file. Throws ConfigurationError if the table exists.
+std::string write_trajectories(const Configuration& configuration, std::uint64_t realization,
+                               const std::shared_ptr<const ChangedDraws>& changes = nullptr);
 
 /// The options `threads` and `checkpoint_seconds`, warnings on standard error, and the stop by signals. Throws
 /// ConfigurationError.

@@ -16,7 +16,6 @@
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "stochastic_platoon/run/results/run_report.hpp"
-#include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/whole_run.hpp"
 #include "tools/command_line.hpp"
 #include "tools/long_run.hpp"
@@ -88,15 +87,6 @@ platoon::Configuration configured(const platoon::CommandLine& given) {
   return *configuration;
 }
 
-// Writes the trajectories of one realization in place of a run.
-void write_trajectories(const platoon::Configuration& configuration, std::uint64_t realization) {
-  const std::string file = configuration.run.output + "/trajectories.csv";
-  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-  const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
-  platoon::write_new(file, platoon::trajectories_csv(configuration, realization));
-  std::cout << "Realization " << realization << ": " << file << "\n";
-}
-
 }  // namespace
 
 int monte_carlo_main(int argc, char** argv) {
@@ -152,7 +142,9 @@ int monte_carlo_main(int argc, char** argv) {
     platoon::Configuration configuration = *found;
     configuration.run.hosting = platoon::Hosting::monte_carlo;
     if (given.has("only")) {
-      write_trajectories(configuration, static_cast<std::uint64_t>(*only));
+      const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
+      const std::string file = platoon::write_trajectories(configuration, static_cast<std::uint64_t>(*only));
+      std::cout << "Realization " << *only << ": " << file << "\n";
       return 0;
     }
     bool complete = false;

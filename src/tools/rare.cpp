@@ -13,7 +13,6 @@
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
-#include "stochastic_platoon/run/results/trajectories_csv.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
 #include "stochastic_platoon/run/scaling/rare_run.hpp"
 #include "tools/command_line.hpp"
@@ -38,9 +37,7 @@ bool run_whole(const platoon::RareRun& run, platoon::ShardSettings settings) {
 void write_trajectories(const platoon::RareRun& run, const std::string& vehicle, const std::string& only) {
   const platoon::Interruptible by_signals = platoon::interruptible_by_signals();
   const platoon::RareReplay replay = platoon::rare_replay(run, vehicle, only);
-  const std::string file = run.configuration.run.output + "/trajectories.csv";
-  const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(run.configuration.run);
-  platoon::write_new(file, platoon::trajectories_csv(run.configuration, replay.realization, replay.changes));
+  const std::string file = platoon::write_trajectories(run.configuration, replay.realization, replay.changes);
   std::cout << "A realization with a gap below " << run.options.below << " m: " << file << "\n";
 }
 

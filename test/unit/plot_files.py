@@ -149,13 +149,13 @@ class PlotTest(unittest.TestCase):
         path = self.make_run(**run)
         self.assert_rejects("errors", path, saying=(path,) + saying)
 
-    def assert_rejects_every_damage(self, run, name, every=1):
-        """Results.load() rejects the run after a flipped bit in every such byte of the file."""
+    def assert_rejects_every_damage(self, run, name, every=1, load=sp.Results.load):
+        """Rejects the run, and names the file, after a flipped bit in every such byte of the file."""
         written = self.read(run, name)
         for at in range(0, len(written), every):
             damaged = bytearray(written)
             damaged[at] ^= 1 << at % 8
             self.write_bytes(damaged, run, name)
-            with self.assertRaises(ValueError, msg="{} byte {}".format(name, at)):
-                sp.Results.load(self.path(run))
+            with self.assertRaisesRegex(ValueError, name, msg="{} byte {}".format(name, at)):
+                load(self.path(run))
         self.write_bytes(written, run, name)

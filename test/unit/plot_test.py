@@ -246,6 +246,13 @@ class Numbers(PlotTest):
                          ("greatest phase_margin [deg]", "signals/speed/limit_variance [(m/s)$^2$]"))
         self.assert_draws("pareto", self.path("tune.json"))
 
+    def test_a_flipped_bit_in_a_front_is_found(self):
+        result = sp.Tuning(sp.Model.load(), "limit_variance", {}, 1.0, {}, [], {}, {}, None, "its time is 0 s", 1)
+        result.front, result.axes = [{"over": 1.0, "against": 2.0, "variables": {"controller/kp": 0.5}}], ("limit_variance", "delay_margin")
+        result.save(self.path("tuned"))
+        self.assertEqual(plot.pareto.load(self.path("tuned")).over.tolist(), [1.0])
+        self.assert_rejects_every_damage("tuned", "tune.json", load=plot.pareto.load)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -31,7 +31,8 @@ class Table:
 
     @classmethod
     def load(cls: Type[T], path: PathLike) -> T:
-        """The table in a file. Raises FileNotFoundError, and ValueError if it is no such table."""
+        """The table in a file. Raises FileNotFoundError, and ValueError if it is no such table, or has changed since it was written: the
+        checksum is in a JSON file of the same name beside it."""
         file = os.fspath(path)
         try:
             return cls(_platoon.read_table(file), file)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import zlib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
@@ -57,8 +58,10 @@ class Tuning:
         for name in ("model.yaml", "tune.json"):
             if os.path.lexists(os.path.join(folder, name)):
                 raise FileExistsError("{}: has a {} already".format(folder, name))
-        write_all({os.path.join(folder, name): (json.dumps(document, indent=1) + "\n").encode()
-                   for name, document in (("model.yaml", self.model.to_dict()), ("tune.json", self.to_dict()))})
+        model, tuned = ((json.dumps(document, indent=1) + "\n").encode() for document in (
+            self.model.to_dict(), dict(self.to_dict(), crc32={"summary": "00000000"})))
+        tuned = tuned.replace(b'"summary": "00000000"', b'"summary": "%08x"' % zlib.crc32(tuned))  # as with_checksums() of the C++ library
+        write_all({os.path.join(folder, "model.yaml"): model, os.path.join(folder, "tune.json"): tuned})
 
     @property
     def report(self) -> str:

@@ -31,10 +31,11 @@ class Front(NamedTuple):
 
 
 def load(path: str) -> Front:
-    """The front in a tune.json, or in the folder of one. Raises FileNotFoundError, and ValueError if there is none."""
+    """The front in a tune.json, or in the folder of one. Raises FileNotFoundError, and ValueError if there is none, or if it is damaged."""
     file = os.path.join(path, "tune.json") if os.path.isdir(path) else path
+    document = _platoon.read_json(file)
     try:
-        front: Any = _platoon.read_json(file)["pareto"]
+        front: Any = document["pareto"]
         points = sorted(front["points"], key=lambda point: float(point["against"]))
         over, against = (np.array([float(point[axis]) for point in points]) for axis in ("over", "against"))
         variables = {key: np.array([float(point["variables"][key]) for point in points]) for key in points[0]["variables"]}

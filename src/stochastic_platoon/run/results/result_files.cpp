@@ -13,6 +13,8 @@
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/checksum.hpp"
 #include "stochastic_platoon/run/io/csv_text.hpp"
+#include "stochastic_platoon/run/io/printable.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/report/json_value.hpp"
 #include "stochastic_platoon/run/report/linear_theory.hpp"
 #include "stochastic_platoon/run/results/age_results.hpp"
@@ -145,7 +147,7 @@ const std::string kNoChecksum(8, '0');
 
 // Its position: no other text of a summary matches, because quotes in strings are escaped.
 std::size_t place_of_checksum(const std::string& text) {
-  const std::string own = "\n    \"summary\": \"";
+  const std::string own = "\"summary\": \"";
   const std::size_t found = text.find(own);
   return found == std::string::npos ? found : found + own.size();
 }
@@ -179,11 +181,11 @@ void require_undamaged(bool is_undamaged, const std::string& file) {
 
 }  // namespace
 
-std::string with_checksums(nlohmann::json summary, const std::map<std::string, std::string>& tables) {
+std::string with_checksums(nlohmann::json summary, const std::map<std::string, std::string>& tables, int indent) {
   summary["crc32"] = {{"summary", kNoChecksum}};
   for (const auto& [name, content] : tables)
     summary["crc32"][std::filesystem::path(name).stem().string()] = checksum(content);
-  std::string text = summary.dump(2) + "\n";
+  std::string text = summary.dump(indent) + "\n";
   return text.replace(place_of_checksum(text), kNoChecksum.size(), checksum(text));
 }
 
@@ -210,17 +212,46 @@ void write_results(const Configuration& configuration, const Prediction& predict
   sync_and_rename(unfinished_summary_file(output), output + "/" + kSummary);
 }
 
-nlohmann::json parse_summary(const std::string& text, const std::string& file) {
-  nlohmann::json summary;
+nlohmann::json parse_json(const std::string& text, const std::string& file,
+                          const nlohmann::json::parser_callback_t& callback) {
+  nlohmann::json document;
   try {
-    summary = nlohmann::json::parse(text);
+    document = nlohmann::json::parse(text, callback);
   } catch (const nlohmann::json::exception& error) {
-    throw std::invalid_argument(file + ": not JSON: " + error.what());
+    throw std::invalid_argument(file + ": not JSON: " + printable(error.what()));
   }
-  if (!summary.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
+  if (!document.is_object()) throw std::invalid_argument(file + ": must be a JSON object");
+  // Either, as a flipped bit may hide one.
+  if (document.contains("crc32") || place_of_checksum(text) != std::string::npos)
+    require_undamaged(is_whole_summary(text), file);
+  return document;
+}
+
+nlohmann::json parse_summary(const std::string& text, const std::string& file) {
+  nlohmann::json summary = parse_json(text, file);
   if (!summary.contains("crc32")) throw std::invalid_argument(file + ": crc32 is missing");
-  require_undamaged(is_whole_summary(text), file);
   return summary;
+}
+
+void write_table(const std::string& folder, const std::string& name, nlohmann::json summary, std::string csv) {
+  const std::string summary_file = folder + "/" + name + ".json";
+  if (may_exist(summary_file)) parse_summary(read_file(summary_file, kMostWrittenBytes), summary_file);  // or throws
+  Files table;
+  std::string& text = table[name + ".csv"] = std::move(csv);
+  write_atomically(summary_file, with_checksums(std::move(summary), table));
+  write_atomically(folder + "/" + name + ".csv", text);
+}
+
+CsvTable read_table(const std::string& file) {
+  const std::string text = read_file(file, kMostWrittenBytes);
+  const std::string name = std::filesystem::path(file).stem().string(),
+                    summary = std::filesystem::path(file).replace_extension(".json").string();
+  if (name != "summary" && may_exist(summary)) {
+    const nlohmann::json document = parse_json(read_file(summary, kMostWrittenBytes), summary);
+    const nlohmann::json sum = document.value("crc32", nlohmann::json::object()).value(name, nlohmann::json());
+    require_undamaged(sum.is_null() || sum == checksum(text), file);
+  }
+  return parse_csv(text, file);
 }
 
 ResultTables parse_results(const std::function<std::string(const std::string&)>& read, const std::string& folder,

@@ -25,11 +25,23 @@ std::map<std::string, std::string> result_files(const Configuration& configurati
 nlohmann::json theory_json(const Prediction& prediction);
 
 /// The text of a summary with the "crc32" of these tables, contents by file name, and of its own.
-std::string with_checksums(nlohmann::json summary, const std::map<std::string, std::string>& tables);
+std::string with_checksums(nlohmann::json summary, const std::map<std::string, std::string>& tables, int indent = 2);
 
-/// Parses a summary.json; `file` names it in messages. Throws std::invalid_argument unless it is as write_results()
-/// wrote it.
+/// Parses a JSON object; `file` names it in messages. Throws std::invalid_argument, also if it contains its own
+/// checksum and has changed since it was written. Files of earlier versions may contain none.
+nlohmann::json parse_json(const std::string& text, const std::string& file,
+                          const nlohmann::json::parser_callback_t& callback = nullptr);
+
+/// The same for a summary.json, which must contain its checksum.
 nlohmann::json parse_summary(const std::string& text, const std::string& file);
+
+/// Writes folder/NAME.csv and, before it, NAME.json: the summary with the checksums of both. Replaces the files of an
+/// earlier call. Throws std::runtime_error, and std::invalid_argument if NAME.json is another file.
+void write_table(const std::string& folder, const std::string& name, nlohmann::json summary, std::string csv);
+
+/// Reads a table. Throws std::invalid_argument if the checksum in a JSON file of the same name beside it is not its
+/// own; passes on exceptions of read_file().
+CsvTable read_table(const std::string& file);
 
 /// Results as tables.
 struct ResultTables {  // NOLINT(bugprone-exception-escape): moving a JSON value throws nothing

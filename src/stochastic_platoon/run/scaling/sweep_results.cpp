@@ -5,9 +5,10 @@
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
-#include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/digest.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
+#include "stochastic_platoon/run/results/provenance.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/results/signal_results.hpp"
 
 namespace platoon {
@@ -149,9 +150,10 @@ void write_sweep(const Sweep& sweep, const std::string& output) {
     const std::string old = read_file(file, kMostWrittenBytes);
     if (text.compare(0, old.size(), old) != 0)
       throw ConfigurationError(
-          {"output: " + file + ": holds rows of another sweep, which are never overwritten: must be another folder"});
+          {"output: " + file +
+           ": holds rows of another sweep or is damaged, and is never overwritten: must be another folder"});
   }
-  write_atomically(file, text);
+  write_table(output, "sweep", provenance(sweep.configuration(0)), std::move(text));
 }
 
 }  // namespace platoon

@@ -30,7 +30,8 @@ std::string point_content(const Sweep& sweep, std::uint64_t point, const std::st
 std::optional<std::string> read_point(const Sweep& sweep, const std::string& output, std::uint64_t point,
                                       std::string* damage);
 
-/// Combines the rows of all points in output/sweep.csv. Throws std::runtime_error.
+/// Combines the rows of all points in output/sweep.csv, and writes sweep.json with the provenance of point 0 and the
+/// checksums of both. Throws std::runtime_error, and std::invalid_argument for a damaged sweep.json.
 void write_sweep(const Sweep& sweep, const std::string& output);
 
 }  // namespace platoon

@@ -8,6 +8,7 @@
 
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
 #include "unit/csv_rows.hpp"
 #include "unit/damage.hpp"
@@ -154,23 +155,66 @@ TEST(Sweep, RecomputesADamagedPointAndRejectsThoseOfAnotherSweep) {
   EXPECT_THROW(missing_points(sweep_of(kText + "seed: 2\n"), settings), ConfigurationError);
 }
 
+const std::string kLonger =
+                      "vary: {loss: [0, 0.1, 0.2], headway: [2.4, 3.2]}\nfollowers: 2\nsteps: 5\nrealizations: 20\n",
+                  kShorter = "vary: {loss: [0, 0.1], headway: [2.4, 3.2]}\nfollowers: 2\nsteps: 5\nrealizations: 20\n";
+
+// The number of its lines.
+std::size_t write(const TemporaryFolder& folder, const std::string& text) {
+  const Sweep sweep = sweep_of(text);
+  const SweepSettings settings = settings_of(folder);
+  compute_points(sweep, missing_points(sweep, settings), settings);
+  write_sweep(sweep, folder.path());
+  return csv_rows(content_of(folder / "sweep.csv")).size();
+}
+
 TEST(Sweep, OverwritesNoTableButToExtendIt) {
-  const std::string longer =
-                        "vary: {loss: [0, 0.1, 0.2], headway: [2.4, 3.2]}\nfollowers: 2\nsteps: 5\nrealizations: 20\n",
-                    shorter = "vary: {loss: [0, 0.1], headway: [2.4, 3.2]}\nfollowers: 2\nsteps: 5\nrealizations: 20\n";
   const TemporaryFolder folder;
-  const auto write = [&folder](const std::string& text) {
-    const Sweep sweep = sweep_of(text);
-    const SweepSettings settings = settings_of(folder);
-    compute_points(sweep, missing_points(sweep, settings), settings);
-    write_sweep(sweep, folder.path());
-    return csv_rows(content_of(folder / "sweep.csv")).size();
-  };
-  EXPECT_EQ(write(shorter), 9u);
-  EXPECT_EQ(write(longer), 13u);
-  EXPECT_TRUE(contains(message_of<ConfigurationError>([&] { write(shorter); }),
+  EXPECT_EQ(write(folder, kShorter), 9u);
+  EXPECT_EQ(write(folder, kLonger), 13u);
+  EXPECT_TRUE(contains(message_of<ConfigurationError>([&] { write(folder, kShorter); }),
                        "output: " + folder.path() + "/sweep.csv: holds rows of another sweep"));
   EXPECT_EQ(csv_rows(content_of(folder / "sweep.csv")).size(), 13u);
+}
+
+TEST(Sweep, IsRejectedWhereOneOfItsFilesIsDamaged) {
+  const TemporaryFolder folder;
+  write(folder, kShorter);
+  for (const char* name : {"sweep.csv", "sweep.json"}) {
+    const std::string file = folder / name, sound = content_of(file);
+    for_each_damage(sound, [&](const std::string& damaged, const std::string& how) {
+      std::ofstream(file, std::ios::binary) << damaged;
+      EXPECT_TRUE(contains(message_of<std::invalid_argument>([&] { read_table(folder / "sweep.csv"); }), file)) << how;
+    });
+    std::ofstream(file, std::ios::binary) << with_flipped_bit(sound, 805);
+    EXPECT_TRUE(contains(message_of<std::exception>([&] { write(folder, kShorter); }), file));
+    EXPECT_EQ(content_of(file), with_flipped_bit(sound, 805)) << "not overwritten";
+    std::ofstream(file, std::ios::binary) << sound;
+  }
+  EXPECT_EQ(read_table(folder / "sweep.csv").columns.size(), 14u);
+}
+
+TEST(Sweep, ReplacesNoOtherFileOfTheNameOfItsChecksums) {
+  const TemporaryFolder folder;
+  const std::string own = folder.file("sweep.json", "{\"vary\": {\"loss\": [0, 0.1]}}");
+  EXPECT_TRUE(
+      contains(message_of<std::invalid_argument>([&] { write(folder, kShorter); }), own + ": crc32 is missing"));
+}
+
+TEST(Sweep, GoesOnAfterAKillBetweenItsFilesAndFromAnEarlierVersion) {
+  const TemporaryFolder folder;
+  write(folder, kShorter);
+  const std::string table = folder / "sweep.csv", shorter = content_of(table);
+  write(folder, kLonger);
+  std::ofstream(table, std::ios::binary) << shorter;
+  EXPECT_THROW(read_table(table), std::invalid_argument);
+  EXPECT_EQ(write(folder, kLonger), 13u);
+  std::filesystem::remove(table);
+  EXPECT_EQ(write(folder, kLonger), 13u);
+  std::filesystem::remove(folder / "sweep.json");
+  EXPECT_EQ(read_table(table).columns.size(), 14u);
+  EXPECT_EQ(write(folder, kLonger), 13u);
+  EXPECT_TRUE(std::filesystem::exists(folder / "sweep.json"));
 }
 
 TEST(Sweep, ReportsAPointThatCannotBeRead) {
