@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stochastic_platoon/math/string/varied_pattern.hpp"
+#include "stochastic_platoon/math/links/linked_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
+#include "stochastic_platoon/math/string/varied_margins.hpp"
 
 namespace platoon {
 

@@ -11,7 +11,7 @@
 #include "stochastic_platoon/math/model/hearing_loop.hpp"
 #include "stochastic_platoon/math/numerics/interruption.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/varied_pattern.hpp"
+#include "stochastic_platoon/math/string/varied_margins.hpp"
 
 namespace platoon {
 

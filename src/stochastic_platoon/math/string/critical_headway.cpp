@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "stochastic_platoon/math/string/varied_pattern.hpp"
+#include "stochastic_platoon/math/string/varied_margins.hpp"
 
 namespace platoon {
 

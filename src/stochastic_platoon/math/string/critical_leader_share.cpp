@@ -4,7 +4,8 @@
 #include <set>
 #include <utility>
 
-#include "stochastic_platoon/math/string/varied_pattern.hpp"
+#include "stochastic_platoon/math/model/input.hpp"
+#include "stochastic_platoon/math/string/varied_margins.hpp"
 
 namespace platoon {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "stochastic_platoon/math/links/linked_pattern.hpp"
-#include "stochastic_platoon/math/string/varied_pattern.hpp"
+#include "stochastic_platoon/math/string/varied_margins.hpp"
 
 namespace platoon {
 

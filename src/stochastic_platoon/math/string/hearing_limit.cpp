@@ -5,16 +5,12 @@
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/interruption.hpp"
-#include "stochastic_platoon/math/numerics/krylov.hpp"
 
 namespace platoon {
 
 namespace {
 
 using Window = HearingSpectra::Window;
-// A loss gain of which only the side of 1 counts is known to this share of its distance from 1.
-constexpr double kShareOfDistance = 0.01;
-
 using SpectralMatrix = std::vector<std::vector<Eigen::ArrayXcd>>;  // entries per frequency
 
 SpectralMatrix product(const SpectralMatrix& a, const SpectralMatrix& b) {
@@ -64,13 +60,14 @@ Eigen::Index above(double size, const SpectralMatrix& a) {
   return last;
 }
 
-/// An endless string in which place p of the pattern adds a given spectrum.
-class EndlessString {
+class EndlessHearing : public EndlessString {
 public:
-  explicit EndlessString(const HearingSpectra& spectra, std::size_t period)
-      : spectra_(spectra), period_(period), first_(spectra.reach() + 1) {
-    // Whole patterns later, so that first_ begins one.
-    while ((first_ - 1) % period_ != 0) ++first_;
+  EndlessHearing(const HearingSpectra& spectra, std::size_t period, std::size_t first, bool loses)
+      : EndlessString(noise_of(spectra, period, first)),
+        spectra_(spectra),
+        period_(period),
+        first_(first),
+        loses_(loses) {
     const Window nothing = spectra.nothing();
     SpectralMatrix product_of_all = nothing;
     for (std::size_t j = 0; j < product_of_all.size(); ++j) product_of_all[j][j].setOnes();
@@ -99,115 +96,55 @@ public:
     }
   }
 
-  /// The window in front of the first place: X = M X M* + Q, linear in what each place adds.
-  Window in_front(const std::vector<Eigen::ArrayXd>& added) const {
+  Eigen::Index dimensions() const override {
+    return loses_ ? static_cast<Eigen::Index>(period_) * noise_.front().size() : 0;
+  }
+
+  Eigen::VectorXd drives(const std::vector<Eigen::ArrayXd>& added) const override {
+    const std::unique_ptr<StringWalk> walk = walk_behind(added);
+    const Eigen::Index nodes = added.front().size();
+    Eigen::VectorXd drives(dimensions());
+    for (std::size_t p = 0; p < period_; ++p) {
+      drives.segment(static_cast<Eigen::Index>(p) * nodes, nodes) = sum_of(walk->added()) - noise_[p];
+      walk->pass(added[p]);
+    }
+    return drives;
+  }
+
+  void add(const Eigen::VectorXd& drives, std::vector<Eigen::ArrayXd>& added) const override {
+    for (std::size_t p = 0; p < period_; ++p)
+      added[p] += drives.segment(static_cast<Eigen::Index>(p) * added[p].size(), added[p].size()).array();
+  }
+
+  std::unique_ptr<StringWalk> walk_behind(const std::vector<Eigen::ArrayXd>& added) const override {
     Window window = spectra_.nothing();
     for (std::size_t p = 0; p < period_; ++p) {
       for (std::size_t i = 0; i < window.size(); ++i) {
         for (std::size_t j = 0; j < window.size(); ++j) window[i][j] += added[p] * of_one_[p][i][j];
       }
     }
-    return window;
+    return std::make_unique<HearingWalk>(spectra_, first_, std::move(window));
   }
 
-  HearingWalk walk_behind(Window window) const { return HearingWalk(spectra_, first_, std::move(window)); }
-
-  /// The variances of the tracking errors at the places, and the spectra that each adds behind this window.
-  std::vector<double> pass(Window window, const std::vector<Eigen::ArrayXd>& added,
-                           std::vector<Eigen::ArrayXd>& next) const {
-    HearingWalk walk = walk_behind(std::move(window));
-    std::vector<double> variances;
-    for (std::size_t p = 0; p < period_; ++p) {
-      next[p] = sum_of(walk.added());
-      walk.pass(added[p]);
-      variances.push_back(walk.error_variance());
-    }
-    return variances;
-  }
-
-  std::vector<Eigen::ArrayXd> of_noise() const {
+private:
+  static std::vector<Eigen::ArrayXd> noise_of(const HearingSpectra& spectra, std::size_t period, std::size_t first) {
     std::vector<Eigen::ArrayXd> added;
-    for (std::size_t p = 0; p < period_; ++p) added.push_back(sum_of(spectra_.added(first_ + p, spectra_.nothing())));
+    for (std::size_t p = 0; p < period; ++p) added.push_back(sum_of(spectra.added(first + p, spectra.nothing())));
     return added;
   }
 
-private:
   const HearingSpectra& spectra_;
   std::size_t period_, first_;
+  bool loses_;
   std::vector<Window> of_one_;  ///< in front, if a place alone adds 1; by doubling
-};
-
-/// What losses add behind given added spectra of all places, as one vector: a map whose spectral radius is the loss
-/// gain.
-class LossRound {
-public:
-  explicit LossRound(const EndlessString& string) : string_(string), noise_(string.of_noise()) {}
-
-  Eigen::Index size() const { return static_cast<Eigen::Index>(noise_.size()) * noise_.front().size(); }
-
-  Eigen::VectorXd operator()(const Eigen::VectorXd& added) const {
-    std::vector<Eigen::ArrayXd> next = noise_;
-    variances(added, next);
-    for (std::size_t p = 0; p < next.size(); ++p) next[p] -= noise_[p];
-    return joined(next);
-  }
-
-  /// The variances of the tracking errors at the places.
-  std::vector<double> variances(const Eigen::VectorXd& added) const {
-    std::vector<Eigen::ArrayXd> next = noise_;
-    return variances(added, next);
-  }
-
-  Eigen::VectorXd noise() const { return joined(noise_); }
-
-  /// The parts of such a vector.
-  std::vector<Eigen::ArrayXd> at_places(const Eigen::VectorXd& added) const {
-    std::vector<Eigen::ArrayXd> parts;
-    for (std::size_t p = 0; p < noise_.size(); ++p)
-      parts.emplace_back(added.segment(static_cast<Eigen::Index>(p) * noise_[p].size(), noise_[p].size()));
-    return parts;
-  }
-
-private:
-  std::vector<double> variances(const Eigen::VectorXd& added, std::vector<Eigen::ArrayXd>& next) const {
-    const std::vector<Eigen::ArrayXd> parts = at_places(added);
-    return string_.pass(string_.in_front(parts), parts, next);
-  }
-
-  Eigen::VectorXd joined(const std::vector<Eigen::ArrayXd>& spectra) const {
-    Eigen::VectorXd all(size());
-    for (std::size_t p = 0; p < spectra.size(); ++p)
-      all.segment(static_cast<Eigen::Index>(p) * spectra[p].size(), spectra[p].size()) = spectra[p];
-    return all;
-  }
-
-  const EndlessString& string_;
-  std::vector<Eigen::ArrayXd> noise_;
 };
 
 }  // namespace
 
-LossGain hearing_loss_gain(const HearingSpectra& spectra, std::size_t period) {
-  const EndlessString string(spectra, period);
-  const LossRound round(string);
-  return {perron_root_beside_one(round, round.size(), kShareOfDistance),
-          round.variances(Eigen::VectorXd::Ones(round.size())).front()};
-}
-
-HearingWalk walk_behind_endless(const HearingSpectra& spectra, std::size_t period, bool loses) {
-  const EndlessString string(spectra, period);
-  if (!loses) return string.walk_behind(string.in_front(string.of_noise()));
-  const LossRound round(string);
-  return string.walk_behind(string.in_front(round.at_places(solve_one_minus(round, round.noise()))));
-}
-
-StringEnd hearing_limit(const HearingSpectra& spectra, std::size_t period, bool loses) {
-  const EndlessString string(spectra, period);
-  const LossRound round(string);
-  if (!loses) return {round.variances(round.noise()), 0.0};
-  const double gain = perron_root(round, round.size());
-  if (gain >= 1.0) return {std::vector<double>(period, 0.0), gain};
-  return {round.variances(solve_one_minus(round, round.noise())), gain};
+std::unique_ptr<EndlessString> endless_hearing(const HearingSpectra& spectra, std::size_t period, bool loses) {
+  std::size_t first = spectra.reach() + 1;
+  while ((first - 1) % period != 0) ++first;  // whole patterns later, so that it begins one
+  return std::make_unique<EndlessHearing>(spectra, period, first, loses);
 }
 
 }  // namespace platoon

@@ -10,8 +10,7 @@
 
 #include "stochastic_platoon/math/links/loss_scatter.hpp"
 #include "stochastic_platoon/math/model/input.hpp"
-#include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/string/string_theory.hpp"
 
 namespace platoon {
 
@@ -95,27 +94,21 @@ private:
   mutable std::vector<std::pair<LossModel, std::shared_ptr<const LossScatter>>> scatters_;
 };
 
-/// A walk along the string, from the leader on (see StationaryTheory).
-class HearingWalk {
+/// A walk where vehicles hear any vehicles ahead, with their cross spectra.
+class HearingWalk : public StringWalk {
 public:
-  /// `spectra` must outlive the object.
+  /// From the leader on. `spectra` must outlive the object.
   explicit HearingWalk(const HearingSpectra& spectra) : HearingWalk(spectra, 1, spectra.nothing()) {}
 
   /// From this follower on, behind these vehicles.
   HearingWalk(const HearingSpectra& spectra, std::size_t next, HearingSpectra::Window ahead)
       : spectra_(&spectra), next_(next), ahead_(std::move(ahead)) {}
 
-  /// What each input of the next follower adds to the spectrum of its position.
-  std::vector<Eigen::ArrayXd> added() const { return spectra_->added(next_, ahead_); }
-
-  /// Passes the next follower, which adds this.
-  void pass(const Eigen::ArrayXd& added) { last_ = spectra_->advance(next_++, added, ahead_); }
-
-  /// The variance of the tracking error of the follower that was passed last.
-  double error_variance() const;
-
-  /// The variances of a signal of this follower, and of the change of the signal from step to step.
-  std::array<double, 2> moments(const Signal& signal) const;
+  std::unique_ptr<StringWalk> clone() const override { return std::make_unique<HearingWalk>(*this); }
+  std::vector<Eigen::ArrayXd> added() override { return spectra_->added(next_, ahead_); }
+  void pass(Eigen::ArrayXd added) override { last_ = spectra_->advance(next_++, added, ahead_); }
+  double error_variance() const override;
+  std::array<double, 2> moments(const Signal& signal) const override;
 
 private:
   const HearingSpectra* spectra_;

@@ -29,11 +29,6 @@ namespace platoon {
 
 namespace {
 
-void require_theory(const PlatoonModel& model) {
-  if (const std::optional<std::string> reason = no_theory(model))
-    throw std::invalid_argument("no theory, as " + *reason);
-}
-
 // Of steady_places(), with losses on average. A lost speed that counts as 0 acts through 1 / K at rest.
 double lateness(const VehicleModel& own, const Input& input, double speed, double period) {
   const std::optional<LossModel> loss = input.link.loses() ? input.link.loss : std::nullopt;
@@ -109,100 +104,128 @@ std::vector<double> settled_hearing(const PlatoonModel& model,
   return settled_on_panels(model, values, settling);
 }
 
-std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers) {
-  if (!(std::max(hearing_spectral_radius(model), hearing_growth(model)) < 1.0))
-    return std::vector<double>(followers, kNaN);
+HearingTheory::HearingTheory(const PlatoonModel& given)
+    : StringTheory(given), period_(type_order(given).size()), loses_(loses(given)), growth_(0.0) {
+  if (const std::optional<std::string> reason = no_theory(given))
+    throw std::invalid_argument("no theory, as " + *reason);
+  any_link(given, [this](const LinkModel& link) {
+    if (link.loses()) growth_ = std::max(growth_, second_moment_radius(*link.loss));
+    return false;  // all links
+  });
+}
+
+double HearingTheory::spectral_radius() const {
+  if (spectral_radius_) return *spectral_radius_;
+  double largest = 0.0;
+  for (std::size_t i = 1; i <= farthest_ahead(model()) + period_; ++i)
+    largest = std::max(largest, HearingLoop(vehicle(model(), i), i, model().sample_period).spectral_radius());
+  return *(spectral_radius_ = largest);
+}
+
+std::vector<double> HearingTheory::means(std::size_t followers) const {
+  if (!mean_square_stable()) return std::vector<double>(followers, kNaN);
   constexpr double kRounding = 1e-14;  // relative to a vehicle's place
-  const double speed = metres_per_step(model);
+  const double speed = metres_per_step(model());
   std::map<const Input*, double> known;  // the inputs of a type serve all its vehicles
   const auto late = [&](const VehicleModel& own, const Input& input) {
     const auto inserted = known.emplace(&input, 0.0);
-    if (inserted.second) inserted.first->second = lateness(own, input, speed, model.sample_period);
+    if (inserted.second) inserted.first->second = lateness(own, input, speed, model().sample_period);
     return inserted.first->second;
   };
-  const std::vector<double> places = steady_places(model, followers, speed, late);
+  const std::vector<double> places = steady_places(model(), followers, speed, late);
   std::vector<double> means;
   for (std::size_t i = 1; i <= followers; ++i) {
-    const VehicleModel& own = vehicle(model, i);
+    const VehicleModel& own = vehicle(model(), i);
     const double mean = places[i - 1] - places[i] - speed * own.headway - own.standstill_distance;
     means.push_back(std::abs(mean) > kRounding * std::abs(places[i]) ? mean : 0.0);
   }
   return means;
 }
 
-double hearing_spectral_radius(const PlatoonModel& model) {
-  require_theory(model);
-  double largest = 0.0;
-  const std::size_t last = farthest_ahead(model) + type_order(model).size();
-  for (std::size_t i = 1; i <= last; ++i)
-    largest = std::max(largest, HearingLoop(vehicle(model, i), i, model.sample_period).spectral_radius());
-  return largest;
+const HearingGain& HearingTheory::gain() const {
+  if (gain_ == nullptr) gain_ = std::make_unique<const HearingGain>(model());
+  return *gain_;
 }
 
-double hearing_growth(const PlatoonModel& model) {
-  require_theory(model);
-  double largest = 0.0;
-  any_link(model, [&largest](const LinkModel& link) {
-    if (link.loses()) largest = std::max(largest, second_moment_radius(*link.loss));
-    return false;  // all links
-  });
-  return largest;
+std::vector<double> HearingTheory::gains(const std::vector<double>& frequencies) const {
+  std::vector<double> gains;
+  for (const double w : frequencies) gains.push_back(gain()(w));
+  return gains;
 }
 
-JudgedGain hearing_gain(const PlatoonModel& model) {
-  const HearingGain gain(model);
-  const HearingGain::Peak peak = gain.peak();
+JudgedGain HearingTheory::judged_gain() const {
+  const HearingGain::Peak peak = gain().peak();
   if (peak.gain > 1.0 + kDoubt) return {Sign::kBelow, peak.gain - 1.0, peak.frequency};
-  const double lowest = std::min(1e-7, 1e-3 * gain.slowest());  // the gain is g(0) + O(w^2)
-  const double at_zero = (4.0 * gain(0.5 * lowest) - gain(lowest)) / 3.0, low = low_frequency(gain);
+  const double lowest = std::min(1e-7, 1e-3 * gain().slowest());  // the gain is g(0) + O(w^2)
+  const double at_zero = (4.0 * gain()(0.5 * lowest) - gain()(lowest)) / 3.0, low = low_frequency(gain());
   const double excess = std::max(at_zero, std::min(peak.gain, 1.0)) - 1.0;
-  JudgedGain judged{1.0 - gain(low) > kDoubt * low ? Sign::kAbove : Sign::kZero,
+  JudgedGain judged{1.0 - gain()(low) > kDoubt * low ? Sign::kAbove : Sign::kZero,
                     std::abs(excess) < kDoubt ? 0.0 : excess, at_zero >= peak.gain - kDoubt ? 0.0 : peak.frequency};
-  judged.falls_apart = gain.falls_apart();
+  judged.falls_apart = gain().falls_apart();
   return judged;
 }
 
-StringEnd hearing_limit(const PlatoonModel& model) try {
-  const std::size_t period = type_order(model).size();
-  StringEnd limit;
-  limit.variances = settled_hearing(model, [&](const HearingSpectra& spectra) {
-    StringEnd found = hearing_limit(spectra, period, loses(model));
-    limit.loss_gain = found.loss_gain;
-    found.variances.push_back(1.0 + found.loss_gain);  // a gain of 1e-15 has no digits that could settle
-    return found.variances;
-  });
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  if (!std::all_of(limit.variances.begin(), limit.variances.end(), is_finite)) throw NarrowSpectra();
-  limit.variances.pop_back();
-  return limit;
-} catch (const NarrowSpectra&) {
-  return {{}, 1.0 - hearing_loss_margin(model)};
+StringEnd HearingTheory::end(bool with_variances) const {
+  StringEnd end;
+  if (with_variances) {
+    try {
+      settled_hearing(model(), [&](const HearingSpectra& spectra) {
+        const auto string = endless_hearing(spectra, period_, loses_);
+        end.loss_gain = string->loss_gain();
+        end.variances = end.loss_gain < 1.0 ? string->variances(string->added()) : std::vector<double>(period_, 0.0);
+        std::vector<double> settling = end.variances;
+        settling.push_back(1.0 + end.loss_gain);  // a gain of 1e-15 has no digits that could settle
+        return settling;
+      });
+      const auto is_finite = [](double value) { return std::isfinite(value); };
+      if (std::all_of(end.variances.begin(), end.variances.end(), is_finite)) return end;
+    } catch (const NarrowSpectra&) {
+      // The side of 1 of the loss gain takes fewer frequencies.
+    }
+  }
+  end = StringEnd();
+  end.has_digits = false;
+  end.loss_gain = loss_gain_beside_one();
+  return end;
 }
 
-double hearing_gain_margin(const PlatoonModel& model) {
-  const double radius = std::max(hearing_spectral_radius(model), hearing_growth(model));
+double HearingTheory::gain_margin() const {
+  const double radius = std::max(spectral_radius(), growth_);
   if (!(radius < 1.0)) return 1.0 - radius;
-  const HearingGain gain(model);
-  if (gain.falls_apart()) return -1.0;
-  const double beyond = gain.peak().gain - 1.0 - kDoubt, low = low_frequency(gain);
-  return beyond > 0.0 ? -beyond : (1.0 - gain(low)) / low - kDoubt;
+  if (gain().falls_apart()) return -1.0;
+  const double beyond = gain().peak().gain - 1.0 - kDoubt, low = low_frequency(gain());
+  return beyond > 0.0 ? -beyond : (1.0 - gain()(low)) / low - kDoubt;
 }
 
-double hearing_loss_margin(const PlatoonModel& model) {
-  require_theory(model);
-  if (!loses(model)) return 1.0;
-  const std::size_t period = type_order(model).size();
+double HearingTheory::loss_gain_beside_one() const {
+  if (!loses_) return 0.0;
   // A variance shows a narrow peak of the string's gain. The sign of the margin is known before its value.
   constexpr double kResolved = 1e-4, kCertain = 0.05;
   const auto is_certain = [](const std::vector<double>& before, const std::vector<double>& now) {
     return std::abs(now[0] - before[0]) <= kCertain * std::abs(1.0 - now[0]) &&
            std::abs(now[1] - before[1]) <= kResolved * now[1];
   };
-  const auto gain = [period](const HearingSpectra& spectra) {
-    const LossGain found = hearing_loss_gain(spectra, period);
-    return std::vector<double>{found.gain, found.variance};
+  constexpr double kShare = 0.01;
+  const auto gain = [this](const HearingSpectra& spectra) {
+    const auto string = endless_hearing(spectra, period_, true);
+    const std::vector<Eigen::ArrayXd> ones(period_, Eigen::ArrayXd::Ones(spectra.moved().size()));
+    return std::vector<double>{string->loss_gain_beside_one(kShare), string->variances(ones).front()};
   };
-  return 1.0 - settled_hearing(model, gain, {is_certain}).front();
+  return settled_hearing(model(), gain, {is_certain}).front();
+}
+
+std::vector<double> HearingTheory::settled(std::size_t, const Values& values) const {
+  return settled_hearing(model(), [&values](const HearingSpectra& spectra) {
+    HearingWalk walk(spectra);
+    return values(walk);
+  });
+}
+
+std::vector<double> HearingTheory::settled_behind_endless(const Values& values) const {
+  return settled_hearing(model(), [&](const HearingSpectra& spectra) {
+    const auto string = endless_hearing(spectra, period_, loses_);
+    return values(*string->walk_behind(string->added()));
+  });
 }
 
 }  // namespace platoon

@@ -1,45 +1,51 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <vector>
 
-#include "stochastic_platoon/math/response/pattern_gain.hpp"
-#include "stochastic_platoon/math/string/hearing_limit.hpp"
+#include "stochastic_platoon/math/string/hearing_gain.hpp"
+#include "stochastic_platoon/math/string/string_theory.hpp"
 
 namespace platoon {
 
 /// Stationary theory of a string whose vehicles hear any vehicles ahead, over links of any losses, by the spectra of
 /// HearingSpectra at frequencies that are doubled until the values settle to 1e-9; then they are accurate to 1e-11
-/// relative. All functions throw std::invalid_argument for a model without theory: see no_theory().
+/// relative.
+class HearingTheory : public StringTheory {
+public:
+  /// Throws std::invalid_argument for a model without theory: see no_theory().
+  explicit HearingTheory(const PlatoonModel& model);
 
-/// Means of the tracking errors at the leader's last speed [m].
-std::vector<double> hearing_means(const PlatoonModel& model, std::size_t followers);
+  double spectral_radius() const override;
+  double growth() const override { return growth_; }
+  std::vector<double> means(std::size_t followers) const override;
+  std::vector<double> gains(const std::vector<double>& frequencies) const override;
+  JudgedGain judged_gain() const override;
 
-/// The largest rho(A), and the largest growth of the second moments of predictions per step.
-double hearing_spectral_radius(const PlatoonModel& model);
-double hearing_growth(const PlatoonModel& model);
+  /// Without variances so near to the border of stability that only the side of 1 of the loss gain is known.
+  StringEnd end(bool with_variances) const override;
 
-/// What decides whether the gain along a string is below 1 for all w > 0.
-struct JudgedGain {
-  Sign margin;                 ///< of 1 - gain over all w > 0; zero if the digits of the model do not decide it
-  double excess;               ///< of the largest gain over 1
-  double frequency;            ///< its frequency [rad/sample]
-  bool is_one = false;         ///< at every frequency
-  bool grows_at_zero = false;  ///< see LinkedPattern::grows_at_zero()
-  bool falls_apart = false;    ///< see HearingGain::falls_apart()
+  double gain_margin() const override;
+
+  /// Accurate to a few hundredths of its distance from 1. Throws NarrowSpectra so near to the border of the gain that
+  /// 2^18 frequencies do not resolve its peak.
+  double loss_gain_beside_one() const override;
+
+  bool has_cross_spectra() const override { return true; }
+  double border_accuracy() const override { return 1e-7; }  // each margin takes a verdict of the whole string
+  std::vector<double> settled(std::size_t followers, const Values& values) const override;
+  std::vector<double> settled_behind_endless(const Values& values) const override;
+
+private:
+  const HearingGain& gain() const;
+
+  std::size_t period_;  ///< of the pattern
+  bool loses_;
+  double growth_;
+  mutable std::optional<double> spectral_radius_;
+  mutable std::unique_ptr<const HearingGain> gain_;
 };
-JudgedGain hearing_gain(const PlatoonModel& model);
-
-/// The end of an endless string whose gain is below 1. Without variances so near to the border of stability that only
-/// the side of 1 of the loss gain is known.
-StringEnd hearing_limit(const PlatoonModel& model);
-
-/// Positive exactly if the string is string stable without what losses add.
-double hearing_gain_margin(const PlatoonModel& model);
-
-/// 1 minus the loss gain, for a model whose gain margin is positive; 1 without losses. Its sign is that of the verdict,
-/// its value of an accuracy of a few hundredths. Throws NarrowSpectra so near to the border of the gain that 2^18
-/// frequencies do not resolve its peak.
-double hearing_loss_margin(const PlatoonModel& model);
 
 }  // namespace platoon

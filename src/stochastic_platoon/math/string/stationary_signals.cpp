@@ -8,7 +8,7 @@
 #include "stochastic_platoon/math/model/linear_model.hpp"
 #include "stochastic_platoon/math/model/signal.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/stationary_theory.hpp"
+#include "stochastic_platoon/math/string/settled_hearing.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 
 namespace platoon {
@@ -22,8 +22,7 @@ constexpr std::size_t kFarFollowers = 1000;
 constexpr double kInPlace = 1e-8;
 
 /// Variance and change of every signal of one follower of the walk after the other.
-template <class Walk>
-std::vector<double> moments_along(Walk walk, const SignalLists& signals) {
+std::vector<double> moments_along(StringWalk& walk, const SignalLists& signals) {
   std::vector<double> values;
   for (const std::vector<Signal>& of_follower : signals) {
     walk.pass(sum_of(walk.added()));
@@ -57,13 +56,12 @@ StationaryMoments stationary_moments(const PlatoonModel& model, const SignalList
 }
 
 /// Sets the limits that exist. Where one does not, its pole at w = 0 would keep the quadrature from settling.
-void add_limits(const StationaryTheory& theory, const std::vector<std::string>& names,
+void add_limits(const StringTheory& theory, const std::vector<std::string>& names,
                 std::vector<StationarySignal>& result) {
   const PlatoonModel& model = theory.model();
   const std::size_t period = type_order(model).size(), far = (kFarFollowers / period + 1) * period;
   const SignalLists at_places = signal_lists(model, names, period, far + 1);
-  const LinkedPattern* const linked = theory.pattern();
-  const int zeros = linked != nullptr ? linked->gain().zeros() - linked->zeros_at_zero().noise : 0;
+  const int zeros = theory.zeros_at_zero();
   std::vector<std::size_t> bounded;
   for (std::size_t s = 0; s < names.size(); ++s) {
     const Signal& signal = at_places[0][s];
@@ -75,8 +73,8 @@ void add_limits(const StationaryTheory& theory, const std::vector<std::string>& 
     for (const std::size_t s : bounded) kept[p].push_back(at_places[p][s]);
   }
   const std::vector<double> limits =
-      theory.settled_behind_endless([&kept](auto walk) { return moments_along(std::move(walk), kept); });
-  const std::vector<double> means = stationary_means(model, far + 2 * period);
+      theory.settled_behind_endless([&kept](StringWalk& walk) { return moments_along(walk, kept); });
+  const std::vector<double> means = theory.means(far + 2 * period);
   std::vector<double> settled;
   for (std::size_t i = far; i < far + period; ++i)
     settled.push_back(std::abs(means[i + period] - means[i]) < kInPlace ? means[i] : kNaN);
@@ -91,32 +89,28 @@ std::optional<double> StationarySignal::limit_variance() const {
   return *std::max_element(limit->variance.begin(), limit->variance.end());
 }
 
-std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, const std::vector<std::string>& names,
+std::vector<StationarySignal> stationary_signals(const StringTheory& theory, const std::vector<std::string>& names,
                                                  std::size_t followers, bool string_stable) {
   if (followers < 1) throw std::invalid_argument("followers: 0: must be >= 1");
   const auto input = std::find(names.begin(), names.end(), kInput);
-  if (input != names.end() && names.size() > 1 && hears_predecessors_only(model)) {
+  if (input != names.end() && !theory.has_cross_spectra()) {
     std::vector<std::string> others = names;
     others.erase(others.begin() + (input - names.begin()));
-    std::vector<StationarySignal> result = stationary_signals(model, others, followers, string_stable);
+    std::vector<StationarySignal> result = stationary_signals(theory, others, followers, string_stable);
+    const auto crossed = StringTheory::of(theory.model(), true);
     result.insert(result.begin() + (input - names.begin()),
-                  stationary_signals(model, {kInput}, followers, string_stable).front());
+                  stationary_signals(*crossed, {kInput}, followers, string_stable).front());
     return result;
   }
-  return stationary_signals(StationaryTheory(model, input != names.end()), names, followers, string_stable);
-}
-
-std::vector<StationarySignal> stationary_signals(const StationaryTheory& theory, const std::vector<std::string>& names,
-                                                 std::size_t followers, bool string_stable) {
   const PlatoonModel& model = theory.model();
   const std::vector<double> none(followers, kNaN);
   std::vector<StationarySignal> result(names.size(), StationarySignal{{none, none, none}, std::nullopt});
-  if (!theory.mean_square_stable()) return result;
+  if (!theory.mean_square_stable() || names.empty()) return result;
   try {
     const SignalLists signals = signal_lists(model, names, followers);
     const std::vector<double> values =
-        theory.settled(followers, [&signals](auto walk) { return moments_along(std::move(walk), signals); });
-    const std::vector<double> errors = stationary_means(model, followers);
+        theory.settled(followers, [&signals](StringWalk& walk) { return moments_along(walk, signals); });
+    const std::vector<double> errors = theory.means(followers);
     for (std::size_t s = 0; s < names.size(); ++s)
       result[s].followers = stationary_moments(model, signals, s, 1, errors, values);
     if (string_stable) add_limits(theory, names, result);

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/platoon_model.hpp"
-#include "stochastic_platoon/math/model/signal.hpp"
+#include "stochastic_platoon/math/string/string_theory.hpp"
 
 namespace platoon {
 
@@ -41,9 +40,14 @@ struct StationarySignal {
 /// the noises, has at most as many zeros t as the numerator has: 1 for gap and speed, 2 for the acceleration, 3 for the
 /// jerk. 1e-11 relative.
 ///
-/// `string_stable`: the verdict of string_stability(). Throws std::invalid_argument unless followers >= 1, for a model
-/// without theory, see no_theory(), and for an unknown name.
-std::vector<StationarySignal> stationary_signals(const PlatoonModel& model, const std::vector<std::string>& names,
+/// `string_stable`: the verdict of string_stability(). Throws std::invalid_argument unless followers >= 1, and for an
+/// unknown name.
+std::vector<StationarySignal> stationary_signals(const StringTheory& theory, const std::vector<std::string>& names,
                                                  std::size_t followers, bool string_stable);
+inline std::vector<StationarySignal> stationary_signals(const PlatoonModel& model,
+                                                        const std::vector<std::string>& names, std::size_t followers,
+                                                        bool string_stable) {
+  return stationary_signals(*StringTheory::of(model), names, followers, string_stable);
+}
 
 }  // namespace platoon

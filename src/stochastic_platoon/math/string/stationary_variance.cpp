@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/special_values.hpp"
-#include "stochastic_platoon/math/string/stationary_theory.hpp"
+#include "stochastic_platoon/math/string/settled_hearing.hpp"
 
 namespace platoon {
 
@@ -26,14 +27,10 @@ double metres_per_step(const PlatoonModel& model) {
   return model.leader.changes().empty() ? 0.0 : model.sample_period * model.leader.changes().back().value;
 }
 
-std::vector<double> stationary_variances(const PlatoonModel& model, std::size_t followers) {
-  return stationary_variances(StationaryTheory(model), followers);
-}
-
-std::vector<double> stationary_variances(const StationaryTheory& theory, std::size_t followers) try {
+std::vector<double> stationary_variances(const StringTheory& theory, std::size_t followers) try {
   require_followers(followers);
   if (!theory.mean_square_stable()) return std::vector<double>(followers, kNaN);
-  return theory.settled(followers, [followers](auto walk) {
+  return theory.settled(followers, [followers](StringWalk& walk) {
     std::vector<double> variances;
     while (variances.size() < followers && (variances.empty() || !std::isinf(variances.back()))) {
       walk.pass(sum_of(walk.added()));
@@ -47,26 +44,23 @@ std::vector<double> stationary_variances(const StationaryTheory& theory, std::si
   return std::vector<double>(followers, kNaN);
 }
 
-std::vector<std::vector<double>> stationary_variances_by_input(const PlatoonModel& model, std::size_t followers) {
-  return stationary_variances_by_input(StationaryTheory(model), followers);
-}
-
-std::vector<std::vector<double>> stationary_variances_by_input(const StationaryTheory& theory, std::size_t followers) {
+std::vector<std::vector<double>> stationary_variances_by_input(const StringTheory& theory, std::size_t followers) {
   require_followers(followers);
-  std::size_t inputs = theory.pattern() != nullptr ? 2 : 0;  // the position and the predecessor's input
+  std::size_t inputs = hears_predecessors_only(theory.model()) ? 2 : 0;  // the position and the predecessor's input
   for (const VehicleModel& of : pattern(theory.model())) inputs = std::max(inputs, of.inputs.size());
   std::vector<std::vector<double>> shares(followers, std::vector<double>(inputs, kNaN));
   if (!theory.mean_square_stable()) return shares;
-  const auto along = [followers, inputs](auto walk) {
-    std::vector<decltype(walk)> of_input(inputs, walk);
+  const auto along = [followers, inputs](StringWalk& walk) {
+    std::vector<std::unique_ptr<StringWalk>> of_input;
+    for (std::size_t n = 0; n < inputs; ++n) of_input.push_back(walk.clone());
     std::vector<double> variances;
     for (std::size_t i = 0; i < followers; ++i) {
       std::vector<Eigen::ArrayXd> added = walk.added();
       walk.pass(sum_of(added));
       added.resize(inputs, Eigen::ArrayXd::Zero(added.front().size()));
       for (std::size_t n = 0; n < inputs; ++n) {
-        of_input[n].pass(std::move(added[n]));
-        variances.push_back(of_input[n].error_variance());
+        of_input[n]->pass(std::move(added[n]));
+        variances.push_back(of_input[n]->error_variance());
       }
     }
     return variances;
@@ -79,16 +73,6 @@ std::vector<std::vector<double>> stationary_variances_by_input(const StationaryT
     // They stay NaN.
   }
   return shares;
-}
-
-std::vector<double> stationary_means(const PlatoonModel& model, std::size_t followers) {
-  require_followers(followers);
-  if (!hears_predecessors_only(model)) return hearing_means(model, followers);
-  const LinkedPattern pattern(model);
-  std::vector<double> means(followers, kNaN);
-  if (!pattern.mean_square_stable()) return means;
-  for (std::size_t i = 0; i < followers; ++i) means[i] = metres_per_step(model) * pattern[i].lag();
-  return means;
 }
 
 }  // namespace platoon

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "stochastic_platoon/math/model/platoon_model.hpp"
+#include "stochastic_platoon/math/string/string_theory.hpp"
 
 namespace platoon {
 
@@ -50,21 +50,23 @@ struct StringStability {
 /// sought on a grid of frequencies and refined, for one vehicle ahead |T|. Inputs from the leader add noise alone. At
 /// w = 0 one eigenvalue may be 1, in whose mode all vehicles move alike. With another of modulus 1 (as where all hear
 /// the second vehicle ahead, and -1 is one) the variances of the distances grow without bound: not string stable.
-/// `cross_spectra`: in this way also where vehicles hear their predecessors. `with_limit`: false leaves out the limit,
-/// and where others are heard the value of the loss gain, for which spectra are narrow near the border of stability.
-///
-/// Throws std::invalid_argument for a model without theory: see no_theory().
-StringStability string_stability(const PlatoonModel& model, bool cross_spectra = false, bool with_limit = true);
+/// `with_limit`: false leaves out the limit, and where others are heard the value of the loss gain, for which spectra
+/// are narrow near the border of stability.
+StringStability string_stability(const StringTheory& theory, bool with_limit = true);
+
+/// The same by the theory that covers a model. Throws std::invalid_argument for a model without one: see no_theory().
+inline StringStability string_stability(const PlatoonModel& model) {
+  return string_stability(*StringTheory::of(model));
+}
 
 /// Positive exactly if string_stability() finds the platoon string stable, and continuous there: the smaller of the
 /// least attenuation -ln |gain|^2 and 1 minus the loss gain. Where others are heard, the attenuation is that at low
 /// frequencies, and the loss gain has an accuracy of a few hundredths of its distance from 1; -1 where no spectrum
 /// resolves it.
-double string_margin(const PlatoonModel& model);
-
-/// The gain that verdicts judge at these frequencies [rad/sample]: |prod T^| over one pattern, or the spectral radius
-/// of the companion matrices. Throws as string_stability() does.
-std::vector<double> gain_along_string(const PlatoonModel& model, const std::vector<double>& frequencies);
+double string_margin(const StringTheory& theory);
+inline double string_margin(const PlatoonModel& model) {
+  return string_margin(*StringTheory::of(model));
+}
 
 /// What verdicts call the gain that must be below 1: |T|, |T^| over links with losses, delay or other noise, |Gamma|
 /// for a vehicle with radio, |T^| of one pattern for several vehicles, the spectral radius where others are heard.

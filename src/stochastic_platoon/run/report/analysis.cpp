@@ -106,29 +106,34 @@ Analysis analyze(const Configuration& given, const SignalRequest& signals, const
       analysis.beyond_limits = beyond_limits(configuration);
   }
   if (analysis.without_theory) return analysis;
+  std::unique_ptr<const StringTheory> known;
+  const auto theory = [&]() -> const StringTheory& {
+    if (known == nullptr) known = StringTheory::of(model);
+    return *known;
+  };
   const bool with_limit =
       needs_any({"loss_gain", "limit_variance", "reason", "contradictions", "signals", "collision", "amplification"});
   if (needs("verdict", {"spectral_radius", "peak_gain", "peak_frequency", "mean_square_stable", "string_stable",
                         "loss_gain", "limit_variance", "reason", "contradictions", "bounds", "norms", "signals",
                         "collision", "amplification", "gain_along_string"}))
-    analysis.stability = string_stability(model, false, with_limit);
-  if (needs("margin of the string", {"string_margin"})) analysis.string_margin = string_margin(model);
+    analysis.stability = string_stability(theory(), with_limit);
+  if (needs("margin of the string", {"string_margin"})) analysis.string_margin = string_margin(theory());
   if (needs("gain along the string", {"gain_along_string"})) {
     analysis.frequencies = frequencies_about(analysis.stability.peak_frequency);
-    analysis.gains = gain_along_string(model, analysis.frequencies);
+    analysis.gains = theory().gains(analysis.frequencies);
   }
   if (needs("margins", {"phase_margin", "delay_margin", "sensitivity_peak"}))
     analysis.robustness.margins = loop_margins(model);
   if (needs("critical delay", {"critical_delay"})) analysis.robustness.critical_delay = critical_delay(model);
   if (needs("stationary variances", {"stationary_variance", "contradictions"}))
-    analysis.stationary_variance = stationary_variances(model, followers);
+    analysis.stationary_variance = stationary_variances(theory(), followers);
   const std::vector<double>& variances = analysis.stationary_variance;
   const StringStability& verdict = analysis.stability;
   if ((verdict.mean_square_stable && !variances.empty() && std::isnan(variances.front())) ||
       (verdict.string_stable && with_limit && !verdict.limit_variance))
     analysis.not_computed = std::string("not computed: ") + NarrowSpectra().what();
   if ((has_radios(model) || !plain) && needs("shares by input", {"stationary_variance_by_input"}))
-    analysis.stationary_variance_by_input = stationary_variances_by_input(model, followers);
+    analysis.stationary_variance_by_input = stationary_variances_by_input(theory(), followers);
   std::vector<SignalFigures> motion;
   const bool needs_signals = needs_any({"signals", "collision", "amplification"});
   const std::vector<std::string> names = needs_signals ? signals.all_names() : std::vector<std::string>();
@@ -145,7 +150,7 @@ Analysis analyze(const Configuration& given, const SignalRequest& signals, const
   if (is_papers(model) && needs("bounds", {"bounds", "norms"}) && analysis.stability.mean_square_stable)
     analysis.bounds = theorem_two_bounds(model, followers, steps);
   if (!is_papers(model) && needs("stationary means", {"stationary_mean"}))
-    analysis.stationary_mean = stationary_means(model, followers);
+    analysis.stationary_mean = theory().means(followers);
   if (needs("stable headways",
             {"critical_headway", "critical_headway_seconds", "critical_headway_types", "stable_headways"}))
     analysis.headways = stable_headways(model);
@@ -157,7 +162,7 @@ Analysis analyze(const Configuration& given, const SignalRequest& signals, const
     analysis.leader_shares = stable_leader_shares(model);
   if (needs_signals)
     analysis.signals =
-        analyze_signals(configuration, std::move(analysis.signals), analysis.stability.string_stable, begins);
+        analyze_signals(configuration, theory(), std::move(analysis.signals), analysis.stability.string_stable, begins);
   if (needs("contradictions", {"contradictions"})) {
     std::vector<TheoryFigures> figures{
         {analysis.stationary_variance, analysis.moments.variance, analysis.stability.limit_variance}};

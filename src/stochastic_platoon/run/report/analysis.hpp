@@ -33,7 +33,7 @@ struct Analysis {
   std::optional<CriticalBurst> bursts = {};  ///< none without losses
   std::optional<StableLeaderShares> leader_shares =
       {};                                            ///< none unless positions of the leader and of others are heard
-  std::vector<double> frequencies = {}, gains = {};  ///< [rad/sample], and gain_along_string() there
+  std::vector<double> frequencies = {}, gains = {};  ///< [rad/sample], and StringTheory::gains() there
   Robustness robustness = {};                        ///< of the loop and of the radio
   std::vector<double> stationary_mean = {};          ///< [m], one per follower, caused by delays and losses
   std::vector<double> stationary_variance;           ///< [m^2], one per follower; NaN if there is none

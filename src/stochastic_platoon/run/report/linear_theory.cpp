@@ -68,8 +68,9 @@ nlohmann::json linear_json(const Configuration& configuration) {
     document["reason"] = reason_without_theory(*reason);
     return document;
   }
-  document.update(to_json(string_stability(linear)));
-  document["stationary_variance"] = numbers(stationary_variances(linear, configuration.run.followers));
+  const auto theory = StringTheory::of(linear);
+  document.update(to_json(string_stability(*theory)));
+  document["stationary_variance"] = numbers(stationary_variances(*theory, configuration.run.followers));
   const std::vector<double> largest = largest_of_steps(configuration, beyond_limits(configuration));
   document["probability_beyond_input_limits"] = largest.empty() ? nlohmann::json() : numbers(largest);
   return document;

@@ -159,12 +159,12 @@ Prediction theory_of(const Configuration& configuration, std::vector<SignalFigur
   }
   if (run.followers_before_external() == 0)
     return no_prediction(configuration, "vehicle_1, which the others follow, is external");
-  Prediction prediction{
-      string_stability(configuration.model), stationary_variances(configuration.model, run.followers), {}, {}};
+  const auto theory = StringTheory::of(configuration.model);
+  Prediction prediction{string_stability(*theory), stationary_variances(*theory, run.followers), {}, {}};
   prediction.normal = has_normal_errors(configuration.model);
   if (run.averaging() == Averaging::over_time) {
-    prediction.mean = is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0)
-                                                     : stationary_means(configuration.model, run.followers);
+    prediction.mean =
+        is_papers(configuration.model) ? std::vector<double>(run.followers, 0.0) : theory->means(run.followers);
     prediction.variance = prediction.stationary_variance;
     allow_rest_of_start(configuration.model, prediction);
     prediction.warning = burn_in_warning(configuration);

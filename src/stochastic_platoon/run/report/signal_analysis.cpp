@@ -100,15 +100,15 @@ std::vector<std::string> SignalRequest::all_names() const {
   return all;
 }
 
-SignalAnalysis analyze_signals(const Configuration& configuration, SignalAnalysis analysis, bool string_stable,
-                               const StageObserver& begins) {
+SignalAnalysis analyze_signals(const Configuration& configuration, const StringTheory& theory, SignalAnalysis analysis,
+                               bool string_stable, const StageObserver& begins) {
   const PlatoonModel& model = configuration.model;
   const RunOptions& run = configuration.run;
   const SignalRequest& request = analysis.request;
   const std::vector<std::string> names = request.all_names();
   if (names.empty()) return analysis;
   begins("stationary signals");
-  analysis.stationary = stationary_signals(model, names, run.followers, string_stable);
+  analysis.stationary = stationary_signals(theory, names, run.followers, string_stable);
   if (analysis.moments.empty()) {
     begins("signals of every step");
     analysis.moments = signal_moments(model, names, run.followers, run.steps);

@@ -42,8 +42,8 @@ struct SignalAnalysis {
 
 /// Completes an analysis that has its request, and its moments if these are known. `string_stable`: the verdict of
 /// string_stability().
-SignalAnalysis analyze_signals(const Configuration& configuration, SignalAnalysis analysis, bool string_stable,
-                               const StageObserver& begins);
+SignalAnalysis analyze_signals(const Configuration& configuration, const StringTheory& theory, SignalAnalysis analysis,
+                               bool string_stable, const StageObserver& begins);
 
 /// "largest 1.158 of follower 3, head to tail 18.88": the L2 ratios of the speeds; empty if there are none.
 std::string largest_and_tail(const std::vector<Amplification>& of);

@@ -6,13 +6,13 @@
 #include <numeric>
 
 #include "stochastic_platoon/math/links/linked_moments.hpp"
-#include "stochastic_platoon/math/links/linked_string.hpp"
 #include "stochastic_platoon/math/numerics/special_values.hpp"
 #include "stochastic_platoon/math/simulation/ensemble_run.hpp"
 #include "stochastic_platoon/math/statistics/agreement.hpp"
 #include "stochastic_platoon/math/string/critical_headway.hpp"
 #include "stochastic_platoon/math/string/critical_loss.hpp"
 #include "stochastic_platoon/math/string/error_moments.hpp"
+#include "stochastic_platoon/math/string/linked_string.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/agreement_of.hpp"
@@ -136,7 +136,7 @@ TEST(FeedForward, SharesTheVarianceAmongTheInputs) {
   PlatoonModel model = radio_platoon(0.5, 0.01, 0.02);
   lose_inputs(model, 0.1, {1.0});
   const std::vector<double> all = stationary_variances(model, 8);
-  const std::vector<std::vector<double>> shares = stationary_variances_by_input(model, 8);
+  const std::vector<std::vector<double>> shares = stationary_variances_by_input(*StringTheory::of(model), 8);
   const std::vector<double> radar = stationary_variances(radio_platoon(0.5, 0.01, 0.0), 8);
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_NEAR((shares[i][0] + shares[i][1]) / all[i], 1.0, 1e-11);
@@ -144,7 +144,7 @@ TEST(FeedForward, SharesTheVarianceAmongTheInputs) {
   }
   // Lost inputs count towards the radio, even if the noise of the radar further ahead caused these inputs.
   PlatoonModel lossless = radio_platoon(0.5, 0.01, 0.02);
-  EXPECT_NEAR(stationary_variances_by_input(lossless, 8).back()[0] / radar.back(), 1.0, 1e-11);
+  EXPECT_NEAR(stationary_variances_by_input(*StringTheory::of(lossless), 8).back()[0] / radar.back(), 1.0, 1e-11);
 }
 
 TEST(FeedForward, MayLoseSomeInputs) {

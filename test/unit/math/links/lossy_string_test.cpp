@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/links/linked_string.hpp"
+#include "stochastic_platoon/math/string/linked_string.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ void expect_same_theory(const PlatoonModel& independent) {
   ASSERT_EQ(one.loss_gain.has_value(), other.loss_gain.has_value());
   if (!one.loss_gain) return;
   EXPECT_NEAR(*other.loss_gain, *one.loss_gain, 1e-10);
-  EXPECT_EQ(loss_margin(LinkedPattern(chains)) > 0.0, other.string_stable);
+  EXPECT_EQ(LinkedTheory(chains).loss_gain_beside_one() < 1.0, other.string_stable);
   ASSERT_EQ(one.limit_variance.has_value(), other.limit_variance.has_value());
   if (!one.limit_variance) return;
   EXPECT_NEAR(*other.limit_variance / *one.limit_variance, 1.0, 1e-10);
@@ -165,7 +165,7 @@ TEST(LossyString, HasTheLossGainOfAllLagsForLongBursts) {
   vehicle.headway = 15.241483475734945;
   vehicle.design = design;
   vehicle.loop = close_loop(design, vehicle.headway);
-  EXPECT_NEAR(loss_gain(LinkedPattern(model)) / 6.1208500913861, 1.0, 3e-11);
+  EXPECT_NEAR(LinkedTheory(model).end(false).loss_gain / 6.1208500913861, 1.0, 3e-11);
 }
 
 // Losses that nearly alternate scatter a constant motion into a line at w = pi.

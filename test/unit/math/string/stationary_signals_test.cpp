@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "stochastic_platoon/math/string/signal_moments.hpp"
-#include "stochastic_platoon/math/string/stationary_theory.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/math/example_loops.hpp"
 #include "unit/math/radio_cars.hpp"
@@ -81,8 +80,8 @@ TEST(StationarySignals, BehindLossesAreThoseOfSpectraAndOfCrossSpectra) {
   const std::vector<std::string> names{"gap", "speed", "acceleration"};
   PlatoonModel model = radio_platoon(0.7, 0.01, 0.02);
   lose_inputs(model, 0.2, {1.0});
-  const std::vector<StationarySignal> expected = stationary_signals(StationaryTheory(model), names, 4, true),
-                                      found = stationary_signals(StationaryTheory(model, true), names, 4, true);
+  const std::vector<StationarySignal> expected = stationary_signals(model, names, 4, true),
+                                      found = stationary_signals(*StringTheory::of(model, true), names, 4, true);
   for (std::size_t s = 0; s < names.size(); ++s) {
     for (std::size_t i = 0; i < 4; ++i)
       EXPECT_NEAR(found[s].followers.variance[i] / expected[s].followers.variance[i], 1.0, 1e-8) << names[s] << i;

@@ -16,7 +16,7 @@
 #include "stochastic_platoon/math/string/hearing_gain.hpp"
 #include "stochastic_platoon/math/string/hearing_string.hpp"
 #include "stochastic_platoon/math/string/signal_moments.hpp"
-#include "stochastic_platoon/math/string/stationary_theory.hpp"
+#include "stochastic_platoon/math/string/stationary_signals.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "unit/run/report/hearing_models.hpp"
@@ -36,7 +36,7 @@ PlatoonModel radio_car(const std::string& loss = "") {
 TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
   const PlatoonModel model = radio_car(), lossy = radio_car(", loss: {probability: 0.2, mean_burst: 3}");
   const std::vector<StationarySignal> expected = stationary_signals(model, kSignals, 5, true),
-                                      found = stationary_signals(StationaryTheory(model, true), kSignals, 5, true);
+                                      found = stationary_signals(*StringTheory::of(model, true), kSignals, 5, true);
   for (std::size_t s = 0; s < kSignals.size(); ++s) {
     for (std::size_t i = 0; i < 5; ++i) {
       EXPECT_NEAR(found[s].followers.variance[i] / expected[s].followers.variance[i], 1.0, 1e-9) << kSignals[s] << i;
@@ -49,8 +49,8 @@ TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
     EXPECT_NEAR(found[s].limit->change[0] / expected[s].limit->change[0], 1.0, 1e-9) << kSignals[s];
     EXPECT_NEAR(found[s].limit->mean[0], expected[s].limit->mean[0], 1e-9) << kSignals[s];
   }
-  const auto shares = stationary_variances_by_input(lossy, 5),
-             of_hearing = stationary_variances_by_input(StationaryTheory(lossy, true), 5);
+  const auto shares = stationary_variances_by_input(*StringTheory::of(lossy), 5),
+             of_hearing = stationary_variances_by_input(*StringTheory::of(lossy, true), 5);
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t n = 0; n < 2; ++n) EXPECT_NEAR(of_hearing[i][n] / shares[i][n], 1.0, 1e-9) << i << n;
   }
@@ -60,8 +60,8 @@ TEST(HearingFigures, OfStringsOfPredecessorsEqualThoseOfTheirTheory) {
   EXPECT_NEAR(other.sensitivity_peak, one.sensitivity_peak, 1e-9);
   EXPECT_NEAR(other.peak_frequency, one.peak_frequency, 1e-6);
   const double critical = stable_headways(model)->critical.value();
-  EXPECT_GT(hearing_gain_margin(with_headway(model, critical * (1.0 + 1e-6))), 0.0);
-  EXPECT_LT(hearing_gain_margin(with_headway(model, critical * (1.0 - 1e-6))), 0.0);
+  EXPECT_GT(HearingTheory(with_headway(model, critical * (1.0 + 1e-6))).gain_margin(), 0.0);
+  EXPECT_LT(HearingTheory(with_headway(model, critical * (1.0 - 1e-6))).gain_margin(), 0.0);
 }
 
 TEST(HearingFigures, MarginOfTheStringHasTheSignOfTheVerdict) {
@@ -70,12 +70,14 @@ TEST(HearingFigures, MarginOfTheStringHasTheSignOfTheVerdict) {
   for (const PlatoonModel& stable :
        {with_headway(near, critical * 1.001), with_loss(near, loss * 0.999), with_headway(far, 20.0),
         with_headway(hearing_model(packet("{probability: 0.1}")), 12.0)}) {
-    EXPECT_TRUE(string_stability(stable).string_stable && string_stability(stable, false, false).string_stable);
-    EXPECT_FALSE(string_stability(stable, false, false).limit_variance);
+    EXPECT_TRUE(string_stability(stable).string_stable &&
+                string_stability(*StringTheory::of(stable), false).string_stable);
+    EXPECT_FALSE(string_stability(*StringTheory::of(stable), false).limit_variance);
     EXPECT_GT(string_margin(stable), 0.0);
   }
   for (const PlatoonModel& unstable : {with_headway(near, critical * 0.999), with_loss(near, loss * 1.001), far}) {
-    EXPECT_FALSE(string_stability(unstable).string_stable || string_stability(unstable, false, false).string_stable);
+    EXPECT_FALSE(string_stability(unstable).string_stable ||
+                 string_stability(*StringTheory::of(unstable), false).string_stable);
     EXPECT_LT(string_margin(unstable), 0.0);
   }
   const double at = string_margin(with_headway(near, critical * 1.001)),
@@ -86,7 +88,7 @@ TEST(HearingFigures, MarginOfTheStringHasTheSignOfTheVerdict) {
 TEST(HearingFigures, GainAlongTheStringHasItsPeakAndIsThatOfPredecessorsWhereTheyAreHeardAlone) {
   const PlatoonModel two = hearing_model(kTwoAhead);
   const StringStability verdict = string_stability(two);
-  EXPECT_NEAR(gain_along_string(two, {verdict.peak_frequency}).front(), verdict.peak_gain, 1e-12);
+  EXPECT_NEAR(StringTheory::of(two)->gains({verdict.peak_frequency}).front(), verdict.peak_gain, 1e-12);
   const PlatoonModel radio = hearing_model(kRadioCar + R"(
   - {signal: input, gain: 0.8, noise_variance: 0.04, channel: {delay: 2, loss: {probability: 0.2, mean_burst: 3}}}
 vehicle_types: {slow: {time_headway: 9, plant: {actuator_lag: 0.5}}}
@@ -94,14 +96,14 @@ string: [default, slow, slow])");
   ASSERT_TRUE(hears_predecessors_only(radio));
   const HearingGain other(radio);
   const std::vector<double> frequencies = {0.01, 0.1, 0.3, 1.0, 3.0};
-  const std::vector<double> gains = gain_along_string(radio, frequencies);
+  const std::vector<double> gains = StringTheory::of(radio)->gains(frequencies);
   for (std::size_t k = 0; k < gains.size(); ++k) EXPECT_NEAR(gains[k] / other(frequencies[k]), 1.0, 1e-10) << k;
 }
 
 TEST(HearingFigures, SharesSumToTheVariance) {
   for (const PlatoonModel& model :
        {hearing_model(kPath), hearing_model(packet("{probability: 0.15, mean_burst: 4, on_loss: hold}"))}) {
-    const std::vector<std::vector<double>> shares = stationary_variances_by_input(model, 4);
+    const std::vector<std::vector<double>> shares = stationary_variances_by_input(*StringTheory::of(model), 4);
     const std::vector<double> variances = stationary_variances(model, 4);
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_NEAR(std::accumulate(shares[i].begin(), shares[i].end(), 0.0) / variances[i], 1.0, 1e-8) << i;

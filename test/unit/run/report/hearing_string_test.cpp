@@ -11,7 +11,6 @@
 #include "stochastic_platoon/math/string/error_moments.hpp"
 #include "stochastic_platoon/math/string/settled_hearing.hpp"
 #include "stochastic_platoon/math/string/settling_time.hpp"
-#include "stochastic_platoon/math/string/stationary_theory.hpp"
 #include "stochastic_platoon/math/string/stationary_variance.hpp"
 #include "stochastic_platoon/math/string/string_stability.hpp"
 #include "stochastic_platoon/run/configuration/configuration_error.hpp"
@@ -151,9 +150,9 @@ TEST(HearingString, IsThatOfPredecessorsWhereTheyAreHeardAlone) {
   - {signal: input, gain: 1.0, noise_variance: 0.04, channel: {delay: 1, loss: {probability: 0.2, mean_burst: 3}}})");
   ASSERT_TRUE(hears_predecessors_only(model));
   const std::vector<double> expected = stationary_variances(model, 8),
-                            found = stationary_variances(StationaryTheory(model, true), 8);
+                            found = stationary_variances(*StringTheory::of(model, true), 8);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(found[i] / expected[i], 1.0, 1e-10) << i;
-  const StringStability one = string_stability(model), other = string_stability(model, true);
+  const StringStability one = string_stability(model), other = string_stability(*StringTheory::of(model, true));
   EXPECT_EQ(one.string_stable, other.string_stable);
   EXPECT_NEAR(*one.limit_variance / *other.limit_variance, 1.0, 1e-9);
   EXPECT_NEAR(*one.loss_gain, *other.loss_gain, 1e-6);

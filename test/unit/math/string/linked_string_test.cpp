@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/links/linked_string.hpp"
+#include "stochastic_platoon/math/string/linked_string.hpp"
 
 #include <gtest/gtest.h>
 
