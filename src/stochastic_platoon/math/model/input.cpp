@@ -18,8 +18,10 @@ const char* name_of(InputSignal signal) {
 }
 
 bool operator==(const Input& one, const Input& other) {
-  return one.signal == other.signal && one.gain == other.gain && one.noise_variance == other.noise_variance &&
-         one.link == other.link && one.ahead == other.ahead && one.packet == other.packet;
+  // All members have names, so that a new one does not compile until it is compared.
+  const auto& [signal, noise_variance, gain, link, ahead, packet] = one;
+  return signal == other.signal && gain == other.gain && noise_variance == other.noise_variance && link == other.link &&
+         ahead == other.ahead && packet == other.packet;
 }
 
 std::size_t source_of(const Input& input, std::size_t follower) {

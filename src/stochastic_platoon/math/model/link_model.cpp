@@ -23,6 +23,11 @@ Eigen::Map<const Eigen::VectorXd> coefficients(const std::vector<double>& predic
   return {predictor.data(), static_cast<Eigen::Index>(predictor.size())};
 }
 
+bool is_one(const TransferFunction& of) {
+  const Polynomial &n = of.numerator(), &d = of.denominator();
+  return n.size() == 1 && d.size() == 1 && n(0) == d(0);
+}
+
 Eigen::MatrixXd squared(const Eigen::MatrixXd& map) {
   return Eigen::kroneckerProduct(map, map);
 }
@@ -82,12 +87,13 @@ std::optional<std::string> LinkModel::no_theory() const {
 }
 
 bool LinkModel::has_white_noise() const {
-  const Polynomial &n = noise_filter.numerator(), &d = noise_filter.denominator();
-  return n.size() == 1 && d.size() == 1 && n(0) == d(0);
+  return is_one(noise_filter);
 }
 
+// Here and below all members have names, so that a new one does not compile until it has its place.
 bool LinkModel::is_white_noise_only() const {
-  return has_white_noise() && quantisation_step == 0.0 && delay == 0 && (!loss || loss->probability == 0.0);
+  const auto& [filter, rounding, steps, losses] = *this;
+  return is_one(filter) && rounding == 0.0 && steps == 0 && (!losses || losses->probability == 0.0);
 }
 
 namespace {
@@ -100,15 +106,17 @@ bool same(const TransferFunction& one, const TransferFunction& other) {
 }  // namespace
 
 bool operator==(const LossModel& one, const LossModel& other) {
-  const bool same_trace = one.trace == other.trace || (one.trace && other.trace && *one.trace == *other.trace);
-  const bool same_chain = one.markov == other.markov || (one.markov && other.markov && *one.markov == *other.markov);
-  return same_trace && same_chain && one.by_distance == other.by_distance && one.probability == other.probability &&
-         one.mean_burst == other.mean_burst && one.predictor == other.predictor;
+  const auto& [probability, mean_burst, predictor, trace, by_distance, markov] = one;
+  const bool same_trace = trace == other.trace || (trace && other.trace && *trace == *other.trace);
+  const bool same_chain = markov == other.markov || (markov && other.markov && *markov == *other.markov);
+  return same_trace && same_chain && by_distance == other.by_distance && probability == other.probability &&
+         mean_burst == other.mean_burst && predictor == other.predictor;
 }
 
 bool operator==(const LinkModel& one, const LinkModel& other) {
-  return one.loss == other.loss && same(one.noise_filter, other.noise_filter) &&
-         one.quantisation_step == other.quantisation_step && one.delay == other.delay;
+  const auto& [noise_filter, quantisation_step, delay, loss] = one;
+  return loss == other.loss && same(noise_filter, other.noise_filter) && quantisation_step == other.quantisation_step &&
+         delay == other.delay;
 }
 
 }  // namespace platoon

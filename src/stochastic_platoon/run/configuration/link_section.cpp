@@ -234,11 +234,13 @@ LinkModel read_link(Section section, const LinkModel& base, bool allow_unstable,
 }
 
 nlohmann::json to_json(const LinkModel& link, bool with_defaults) {
+  // All members have names, so that a new one does not compile until it is written.
+  const auto& [noise_filter, quantisation_step, delay, loss] = link;
   nlohmann::json document = nlohmann::json::object();
-  if (with_defaults || !link.has_white_noise()) document["noise_filter"] = to_json(link.noise_filter);
-  if (with_defaults || link.quantisation_step > 0.0) document["quantisation_step"] = link.quantisation_step;
-  if (with_defaults || link.delay > 0) document["delay"] = link.delay;
-  if (link.loss) document["loss"] = to_json(*link.loss);
+  if (with_defaults || !link.has_white_noise()) document["noise_filter"] = to_json(noise_filter);
+  if (with_defaults || quantisation_step > 0.0) document["quantisation_step"] = quantisation_step;
+  if (with_defaults || delay > 0) document["delay"] = delay;
+  if (loss) document["loss"] = to_json(*loss);
   return document;
 }
 
