@@ -220,14 +220,6 @@ class Commands(unittest.TestCase):
         self.assertEqual(self.commands.obey({"command": "change", "loss": 0}), (True, "begun"))
         self.assertEqual(self.called, [("change_run", {"loss": 0.0})])
 
-    def test_a_change_that_no_vehicle_of_the_string_takes_is_rejected(self):
-        self.state.configuration = {"endless": True, "changeable": {"noise_variance": 0.6}}
-        for content in ({"loss": 0.5}, {"loss": 0.5, "noise_variance": 0.1}):
-            self.assertEqual(self.commands.obey(dict(content, command="change")), (
-                False, "loss: 0.5: must be left out: no vehicle of the string takes it from the default vehicle"))
-        self.assertEqual(self.called, [])
-        self.assertTrue(self.commands.obey({"command": "change", "noise_variance": 0.1})[0])
-
     def test_an_invalid_speed_is_rejected_with_the_reason(self):
         for value in (10 ** 400, -10 ** 400, math.inf, math.nan, True, "20", [20]):
             success, message = self.commands.obey({"command": "speed", "speed": value})

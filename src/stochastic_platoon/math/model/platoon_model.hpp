@@ -45,7 +45,7 @@ enum class Start {
 struct PlatoonModel {
   /// One type, named default.
   PlatoonModel(VehicleModel vehicle, LeaderProfile profile, double period = 0.1)
-      : types{{"default", std::move(vehicle), {true, true, true, true, true}}},
+      : types{{"default", std::move(vehicle), {true, true, true, true, true, true, true, true}}},
         sample_period(period),
         leader(std::move(profile)) {}
 

@@ -5,9 +5,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <set>
 #include <utility>
 
 #include "stochastic_platoon/math/numerics/text.hpp"
@@ -21,7 +21,10 @@ namespace platoon {
 
 namespace {
 
-const std::set<std::string> kChangeable{"headway", "noise_variance", "loss"};
+// The settings that a change may have, and what types in the string then inherit from the default vehicle.
+const std::map<std::string, bool Inherited::*> kChangeable{{"headway", &Inherited::headway},
+                                                           {"noise_variance", &Inherited::noise_variance},
+                                                           {"loss", &Inherited::loss_probability}};
 constexpr double kAnswerTime = 0.02;  // [s] for the service's answer to be sent
 
 std::string suffix_of(std::uint64_t number) {
@@ -74,6 +77,18 @@ bool is_taken(const RunOptions& run) {
   return !run.record.empty() && !overwritten(run.record, run.record_split_mb > 0).empty();
 }
 
+// Throws ConfigurationError if no vehicle takes one of the settings. `model` has them.
+void require_takers(PlatoonModel model, std::size_t followers, const std::map<std::string, std::string>& given) {
+  model.string.resize(std::min(model.string.size(), followers));
+  ProblemCollector problems;
+  for (const auto& [key, value] : given) {
+    if (types_with_default(model, kChangeable.at(key)).empty())
+      problems.add(key + ": " + value +
+                   ": must be left out: no vehicle of the string takes it from the default vehicle");
+  }
+  problems.require_none();
+}
+
 }  // namespace
 
 Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given) {
@@ -84,6 +99,7 @@ Configuration changed(const Configuration& present, const std::map<std::string, 
   }
   Configuration next = parse_configuration(configuration_document(present, given));
   RunOptions& run = next.run;
+  require_takers(next.model, run.followers, given);
   run.resume = false;
   do {
     ++run.number;

@@ -12,9 +12,10 @@
 
 namespace platoon {
 
-/// The configuration of the next run of an endless run's launch, with the settings `given` changed. The next run has
-/// its own folder and bag beside those of `present`, which stay unchanged. Throws ConfigurationError as the launch
-/// file's arguments do, and for a run over realizations.
+/// The configuration of the next run of an endless run's launch, with the settings `given` changed: headway,
+/// noise_variance, loss. The next run has its own folder and bag beside those of `present`, which stay unchanged.
+/// Throws ConfigurationError as the launch file's arguments do, for a setting that no vehicle of the string takes from
+/// the default vehicle, and for a run over realizations.
 Configuration changed(const Configuration& present, const std::map<std::string, std::string>& given);
 
 /// The service change_run (std_srvs/Trigger): changes headway, noise and loss of an endless run to the values of the
