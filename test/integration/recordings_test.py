@@ -56,8 +56,9 @@ class TwoRuns(TwoRunsTest):
             self.assertIn(self.MORE, tool("bag_statistics", *bags, "--unverified").stderr)
 
     def test_no_replay_of_bags_of_two_runs_begins(self):
-        for drive in ("", "leader", "vehicle_1"):
-            done = tool("configure", bag=self.SMALL + " " + self.other, drive=drive, unverified="true", output=self.path("out"))
+        two = self.SMALL + " " + self.other
+        for bag, drive in ((two, ""), (two, "leader"), (two, "vehicle_1"), (self.both, "leader")):
+            done = tool("configure", bag=bag, drive=drive, unverified="true", output=self.path("out"))
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(self.MORE, done.stderr)
 

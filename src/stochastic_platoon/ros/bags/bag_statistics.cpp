@@ -54,10 +54,11 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
   });
   const std::string& file = source.files.front();
   const std::uint64_t run = run_identity(recorded_platoon(source).configuration);
+  const auto count = static_cast<std::size_t>(steps + 1);
   std::vector<double> positions;
-  while (positions.size() < static_cast<std::size_t>(steps + 1)) {
-    const std::optional<RecordedMessage> recorded = stream.next();
-    if (!recorded) break;
+  // To the end: another run there, or damage, is an error.
+  while (const std::optional<RecordedMessage> recorded = stream.next()) {
+    if (positions.size() == count) continue;
     const Position::ConstPtr message = recorded->position();
     if (message->run != run) continue;
     if (message->step == kInitialStep) positions.clear();
@@ -68,7 +69,7 @@ std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps)
     const bool due = message->step + 1 == static_cast<std::int64_t>(positions.size());
     if (due && !all.empty()) positions.push_back(all.front());
   }
-  if (positions.size() == static_cast<std::size_t>(steps + 1)) return positions;
+  if (positions.size() == count) return positions;
   throw BagError(file + ": holds " + std::to_string(positions.size()) + " steps of a leader: must hold steps -1 to " +
                  std::to_string(steps - 1));
 }

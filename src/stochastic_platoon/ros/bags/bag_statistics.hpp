@@ -30,8 +30,8 @@ Configuration configuration_to_repeat(const BagSource& source);
 /// The launch_id in a file's first configuration; none if the file is no recording of a platoon.
 std::optional<std::string> launch_of(const std::string& file);
 
-/// y_0(-1) .. y_0(steps - 1) [m] as recorded: the leader's positions in the first batch of the bags. Throws BagError if
-/// there are fewer.
+/// y_0(-1) .. y_0(steps - 1) [m] as recorded: the leader's positions in the first batch of the bags, which are read to
+/// their end. Throws BagError if there are fewer, and as BagStream does.
 std::vector<double> recorded_leader(const BagSource& source, std::int64_t steps);
 
 /// configuration_to_repeat() with these settings, see configuration_document(), for a run with the recorded leader or
