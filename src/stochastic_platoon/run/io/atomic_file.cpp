@@ -100,6 +100,23 @@ void require_writable_folder(const std::string& folder) {
   ::unlink(probe.c_str());
 }
 
+void require_possible_folder(const std::string& folder) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::absolute(folder, error).lexically_normal();
+  std::filesystem::path existing = whole;
+  std::filesystem::file_type type = std::filesystem::status(existing, error).type();
+  for (; type == std::filesystem::file_type::not_found && existing.has_relative_path();
+       type = std::filesystem::status(existing, error).type())
+    existing = existing.parent_path();
+  if (type == std::filesystem::file_type::not_found) return;  // the working folder is gone: its creation will tell
+  if (type == std::filesystem::file_type::directory && ::access(existing.c_str(), W_OK | X_OK) == 0) return;
+  if (type == std::filesystem::file_type::directory) error.assign(errno, std::generic_category());
+  if (!error) error = std::make_error_code(std::errc::not_a_directory);
+  throw std::system_error(
+      error, folder + (existing == whole && type == std::filesystem::file_type::directory ? ": cannot be written"
+                                                                                          : ": cannot be made"));
+}
+
 void ignore_file_size_signal() {
   std::signal(SIGXFSZ, SIG_IGN);
 }

@@ -16,6 +16,9 @@ void sync_and_rename(const std::string& file, const std::string& name);
 /// Creates the folder and its parents if necessary and tests that it is writable. Throws std::system_error as above.
 void require_writable_folder(const std::string& folder);
 
+/// The same as far as it can be known without creating anything.
+void require_possible_folder(const std::string& folder);
+
 /// Makes a file size limit (ulimit -f) a write error instead of a signal that ends the program.
 void ignore_file_size_signal();
 

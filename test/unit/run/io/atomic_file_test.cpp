@@ -115,6 +115,20 @@ TEST(RequireWritableFolder, NamesAPathAtOrBelowAFile) {
   EXPECT_EQ(content_of(file), "content");
 }
 
+TEST(RequirePossibleFolder, NamesTheSameAndMakesNothing) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("file", "content");
+  for (const std::string& path : {file, file + "/below", folder / std::string(300, 'a')}) {
+    const std::string error = error_of([&] { require_possible_folder(path); });
+    EXPECT_TRUE(begins_with(error, path + ": cannot be made: "));
+    EXPECT_EQ(error, error_of([&] { require_writable_folder(path); }));
+  }
+  for (const char* name : {"a/b/c", "d/", ".", "a/../b"})
+    EXPECT_NO_THROW(require_possible_folder(folder / name)) << name;
+  EXPECT_EQ(folder.entries(), Names{"file"});
+  EXPECT_NO_THROW(require_possible_folder("made/below"));
+}
+
 TEST(WriteAtomically, ReplacesNothingButRegularFiles) {
   const TemporaryFolder folder;
   const std::string fifo = folder / "fifo", part = folder / "results.csv.part";
