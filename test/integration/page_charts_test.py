@@ -212,6 +212,14 @@ class Charts(Fed):
         table = [line.split(",") for line in saved["platoon-string.csv"].decode().splitlines()]
         self.assertEqual([float(row[3]) for row in table[1:]], self.state.document()["variance"])
         self.assertEqual(table[0], ["vehicle", "step", "mean", "variance", "standard_error", "theoretical_mean", "theoretical_variance", "z"])
+        self.assertEqual({row[1] for row in table[1:]}, {str(BURN_IN + 30)})
+        self.drive(range(BURN_IN + 40, BURN_IN + 41), manoeuvre=True, counted_from=540)
+        self.text_comes("#string-note", "averages paused")
+        self.browser.run("caught.length = 0; document.querySelector('[data-saves=string] [data-kind=CSV]').click()")
+        self.wait_for_page("caught.length == 1", "the table of paused averages")
+        paused = [line.split(",") for line in base64.b64decode(self.browser.run("return caught[0][1]").split(",")[1]).decode().splitlines()]
+        self.assertEqual(paused[0], table[0] + ["paused_until"])
+        self.assertEqual({(row[1], row[-1]) for row in paused[1:]}, {("", "540")})
 
 
 if __name__ == "__main__":

@@ -97,8 +97,8 @@ class PlotTest(unittest.TestCase):
     def checksum(self, *names):
         return "{:08x}".format(zlib.crc32(self.read(*names)))
 
-    def make_average(self, name="average"):
-        rows = ["{},5000,4800,0.01,{},0,{}".format(i, 1.0 + i, 1.1 + i) for i in (1, 2, 3)]
+    def make_average(self, name="average", step=5000):
+        rows = ["{},{},4800,0.01,{},0,{}".format(i, step, 1.0 + i, 1.1 + i) for i in (1, 2, 3)]
         return self.make_run(name, rows=rows, time_average=True, steps=0, realizations=1)
 
     def make_analysis(self, name="analysis.json", **changes):

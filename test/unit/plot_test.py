@@ -14,6 +14,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 sys.dont_write_bytecode = True
 from plot_files import COUNT, PlotTest, TOOLS, gain_along_string, plot  # noqa: E402
+from plotting import following, tracking_errors  # noqa: E402
+from watching_messages import endless  # noqa: E402
 
 
 class Figures(PlotTest):
@@ -28,6 +30,14 @@ class Figures(PlotTest):
 
     def test_errors_of_time_averages_are_drawn_along_the_string(self):
         self.assert_draws("errors", self.make_average())
+
+    def test_titles_name_the_step_up_to_which_averages_over_time_reach(self):
+        shown = dict(sample_period=0.1, spacing="h", followers=3, seed=1)
+        for run, words in ((sp.Results.load(self.make_average("a", 500)), "average over time up to step 500,"),
+                           (sp.Results.load(self.make_average("b", -1)), "average over time (paused),"),
+                           (following.results_of(shown, endless(3, 700, counted_from=700)), "average over time up to 70 s (step 700),"),
+                           (following.results_of(shown, endless(3, 699, counted_from=700)), "average over time (paused),")):
+            self.assertIn(words, tracking_errors.title(run, "run"))
 
     def test_norms_of_runs_and_analyses_are_drawn(self):
         unbounded = {"mean_l2": [1.0, 2.0, 4.0], "variance_linf": [2.0, 3.0, 4.0],

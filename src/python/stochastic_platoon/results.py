@@ -25,8 +25,9 @@ def check(folder: PathLike) -> List[str]:
 class Results:
     """Mean and variance of every tracking error, and the other measurements of a run.
 
-    `steps` holds the step numbers (one for averages over time). `count`, `mean` [m], `variance` [m^2], `theoretical_mean` and
-    `theoretical_variance` are arrays of shape (followers, steps): follower i is in row i - 1.
+    `steps` holds the step numbers; for averages over time one, the step up to which all of them reach, or -1 if they have none of the
+    latest attempt. `count`, `mean` [m], `variance` [m^2], `theoretical_mean` and `theoretical_variance` are arrays of shape
+    (followers, steps): follower i is in row i - 1.
     """
 
     def __init__(self, summary: Dict[str, Any], tables: Mapping[str, Columns], path: str, report: Optional[str] = None) -> None:

@@ -82,7 +82,7 @@ def draw_measured(axes: Axes, run: sp.Results, stationary: Array, name: str, col
     measured = drawable_errors(run)
     last = style.time_of_step(run, int(run.steps[-1]))
     errors = style.SHOWN_ERRORS * drawable(run.standard_error_of_variance)
-    label = "{}: {}{}".format(name, ("time average up to {}" if run.time_average else "measured at {}").format(last),
+    label = "{}: {}{}".format(name, "time average " + style.end_of_average(run) if run.time_average else "measured at " + last,
                               ", $\\pm${} standard errors".format(style.SHOWN_ERRORS) if np.isfinite(errors).any() else "")
     legend = [style.draw_measured(axes, measured.variance[:, -1], errors, fmt=marker, color=colour, markerfacecolor="white", label=label)]
     theory = measured.theoretical_variance[:, -1]

@@ -142,6 +142,12 @@ def time_of_step(run: sp.Results, step: int) -> str:
     return words if np.isnan(period) else "{:.4g} s ({})".format(step * period, words)
 
 
+def end_of_average(run: sp.Results) -> str:
+    """Where the averages over time of a run end: up to 9.9 s (step 99); paused, if no step of its latest attempt is in them."""
+    step = int(run.steps[-1])
+    return "up to " + time_of_step(run, step) if step >= 0 else "(paused)"
+
+
 def follower_ticks(followers: int) -> List[float]:
     """First, last and round numbers between them, without those so close to the ends that the labels would touch."""
     between = MaxNLocator(nbins=5, steps=[1, 2, 5, 10], integer=True).tick_values(1, followers)

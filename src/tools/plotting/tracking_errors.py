@@ -49,7 +49,7 @@ def title(run: sp.Results, name: str) -> str:
     drawn = style.drawn_followers(run.followers).size
     second = "{}, seed {}".format(style.counted(run.realizations), run.seed)
     if run.time_average:
-        second = "average over time up to {}, seed {}".format(style.time_of_step(run, int(run.steps[-1])), run.seed)
+        second = "average over time {}, seed {}".format(style.end_of_average(run), run.seed)
     elif drawn < run.followers:
         second += ", {} of {} followers drawn".format(drawn, run.followers)
     if not run.complete:

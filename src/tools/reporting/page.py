@@ -144,8 +144,9 @@ def below_safe_gap(of: sp.Gaps, realizations: int) -> List[str]:
 
 def what_was_run(run: sp.Results) -> str:
     of, period = run.summary, run.sample_period
-    steps = "endless, averages over time up to step {:.0f}".format(run.steps[-1]) if run.time_average else \
-        "{} ({:.6g} s of {:g} s)".format(of["steps"], of["steps"] * period, period)
+    steps = "{} ({:.6g} s of {:g} s)".format(of["steps"], of["steps"] * period, period)
+    if run.time_average:
+        steps = "endless, averages over time" + (" up to step {:.0f}".format(run.steps[-1]) if run.steps[-1] >= 0 else ", paused")
     return pairs([("followers", of["followers"]), ("steps", steps), ("realizations", run.realizations), ("seed", run.seed),
                   ("hosting", of["hosting"]), ("attempts", of["attempts"]), *losses.rows_of(run),
                   ("date (UTC)", of["date"]), ("machine", of["host"]), ("version", "stochastic_platoon {}, revision {}{}".format(
@@ -195,6 +196,7 @@ def numbers(run: sp.Results) -> str:
                      number(spread[row], 2), number(theory), hundredths(apart), number(stationary[row])])
     return table(["follower", "mean [m]", "theory [m]", "variance [m²]", "standard error", "theory [m²]",
                   "z of the variance" if normal else "(variance − theory) / standard error", "stationary variance, theory [m²]"], rows,
+                 "Tracking errors, averages over time" if run.time_average else
                  "Tracking errors at {:.6g} s (step {}){}".format(last * run.sample_period, last, "; " + MEANING_OF_SCORE if normal else ""))
 
 

@@ -49,6 +49,10 @@ public:
   /// The latest step that a follower has reached; -1 before the first.
   virtual std::int64_t last_step(std::size_t follower) const = 0;
 
+  /// The latest step whose error the average of a follower includes; over time -1 if it has none of the present
+  /// realization.
+  virtual std::int64_t last_counted(std::size_t follower) const { return last_step(follower); }
+
   /// The first step from which on the averages of all followers include every error, unless the leader departs from
   /// the model again.
   virtual std::int64_t counted_from() const { return 0; }

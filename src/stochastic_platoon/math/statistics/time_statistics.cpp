@@ -116,6 +116,7 @@ bool TimeStatistics::count_next(std::size_t index) {
   const Error error = next->second;
   if (limited_) hold_back(index, step, error.at_limit);
   if (counts(index, step)) {
+    follower.last_counted = step;
     follower.moments.add(error.value);
     batches_[index - 1].add(error.value);
   } else if (!measured(index - 1) && !departs(index, step)) {

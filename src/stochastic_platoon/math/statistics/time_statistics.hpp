@@ -45,6 +45,7 @@ public:
   std::uint64_t realizations() const override { return 1; }
   bool empty() const override;
   std::int64_t last_step(std::size_t follower) const override { return followers_[follower - 1].next_step - 1; }
+  std::int64_t last_counted(std::size_t follower) const override { return followers_[follower - 1].last_counted; }
   std::int64_t counted_from() const override;
   /// One per follower; count is the number of steps in it.
   std::vector<Moments> moments() const override;
@@ -64,6 +65,7 @@ private:
     Moments moments;
     RecentMoments provisional;
     std::int64_t next_step = 0;           ///< next step to add
+    std::int64_t last_counted = -1;       ///< latest step in `moments`
     std::map<std::int64_t, Error> early;  ///< of steps received early
     std::vector<Steps> held_back = {};    ///< excluded as limits hold it back, or a vehicle ahead
     std::int64_t held = 0, usual = 0;     ///< steps at a limit in a row: now, and the most outside of manoeuvres

@@ -259,6 +259,26 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration) {
   return found;
 }
 
+namespace {
+
+ConfigurationError no_output(const std::runtime_error& error) {
+  return ConfigurationError(
+      {std::string("output: ") + error.what() + ": must be a folder that can be written, and of one run"});
+}
+
+}  // namespace
+
+void require_possible_output(const std::string& output, bool for_results) {
+  if (output.empty()) throw ConfigurationError({"output: (empty): must be a folder"});
+  try {
+    require_possible_folder(output);
+  } catch (const std::runtime_error& error) {
+    throw no_output(error);
+  }
+  if (for_results && !may_exist(checkpoint_file(output)) && !may_exist(previous_checkpoint_file(output)))
+    require_no_results(output);
+}
+
 std::unique_ptr<FolderLock> lock_output(const RunOptions& run) {
   try {
     require_writable_folder(run.output);
@@ -267,8 +287,7 @@ std::unique_ptr<FolderLock> lock_output(const RunOptions& run) {
     const bool started_again = std::getenv(kEndsWithLaunch) != nullptr;
     return std::make_unique<FolderLock>(run.output, "launch " + run.launch_id, started_again ? ::getppid() : 0);
   } catch (const std::runtime_error& error) {
-    throw ConfigurationError(
-        {std::string("output: ") + error.what() + ": must be a folder that can be written, and of one run"});
+    throw no_output(error);
   }
 }
 

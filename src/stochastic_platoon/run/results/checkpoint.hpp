@@ -61,6 +61,10 @@ std::optional<Checkpoint> starting_point(const Configuration& configuration);
 /// than a statistics.csv that a killed write_results() left without its summary.
 void require_no_results(const std::string& output);
 
+/// Throws ConfigurationError for the faults of an output folder that can be known without creating it and without the
+/// run, so that they can be named beside others. `for_results`: also for results in it and no checkpoint.
+void require_possible_output(const std::string& output, bool for_results = true);
+
 /// Environment variable of a node that its launch ends and restarts.
 constexpr char kEndsWithLaunch[] = "PLATOON_ENDS_WITH_LAUNCH";
 

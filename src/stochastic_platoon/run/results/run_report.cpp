@@ -1,5 +1,6 @@
 #include "stochastic_platoon/run/results/run_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "stochastic_platoon/math/model/input.hpp"
@@ -21,14 +22,15 @@ bool is_shown(std::size_t follower, std::size_t followers) {
 
 std::string heading(const Configuration& configuration, const Prediction& prediction, const RunResult& result) {
   const RunOptions& run = configuration.run;
-  const std::string at =
-      time_of_step(run.averaging() == Averaging::over_time ? result.last_step : run.steps - 1, configuration.model);
+  const auto at = [&](std::int64_t step) { return time_of_step(step, configuration.model); };
   if (run.averaging() == Averaging::over_realizations) {
-    return "tracking errors at " + at +
+    return "tracking errors at " + at(run.steps - 1) +
            formatted(", %llu realizations\n", static_cast<unsigned long long>(result.realizations));
   }
+  const std::int64_t counted = *std::min_element(result.last_steps.begin(), result.last_steps.end());
   std::string text =
-      "time averages up to " + at +
+      "time averages" + (counted < 0 ? "" : " up to " + at(counted)) +
+      (counted < result.last_step ? ", paused at " + at(result.last_step) : "") +
       formatted(", behind a burn-in of %s: variance over time%s\n",
                 duration_in_steps(run.burn_in, configuration.model).c_str(),
                 prediction.warning.empty() ? "; standard errors include the correlation of successive errors"

@@ -80,7 +80,7 @@ ResultCell ResultCells::of(std::size_t follower, std::int64_t step) const {
   check_interruption();
   const bool over_time = run_.averaging() == Averaging::over_time;
   const std::size_t c = over_time ? follower - 1 : cell(follower, step, run_.steps);
-  // The vehicles of a stopped run are not all at the same step.
+  // The averages of a stopped run do not all end at the same step.
   return {{result_.moments[c], prediction_.mean[c], prediction_.variance[c],
            prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
            over_time ? share_of(prediction_, result_, follower) : IndependentShare{},

@@ -24,10 +24,10 @@ struct Tally {
 struct RunResult {
   bool complete = false;
   std::uint64_t realizations = 0;  ///< committed
-  std::int64_t last_step = 0;      ///< the latest step that the figures of all followers have reached
+  std::int64_t last_step = 0;      ///< the latest step of all followers, also if averages over time leave it out
   Tally tally;
   std::vector<Moments> moments;                    ///< of the tracking errors
-  std::vector<std::int64_t> last_steps;            ///< for averages over time: the latest step of each follower
+  std::vector<std::int64_t> last_steps;            ///< for averages over time: see ErrorAverages::last_counted()
   std::int64_t counted_from = 0;                   ///< see ErrorAverages
   bool manoeuvre = false;                          ///< the leader departs from the model at present
   std::vector<Moments> provisional = {};           ///< see ErrorAverages; for displays alone
@@ -44,7 +44,7 @@ RunResult result_of(const Configuration& configuration, const EnsembleTotals& to
 /// else by BatchMeans; the fourth moment is one of fourth_moments(), infinite where the means alone are compared.
 struct ResultCell : Comparison {
   std::size_t follower;
-  std::int64_t step;  ///< for an average over time the latest step
+  std::int64_t step;  ///< for an average over time the latest step in it
 };
 
 /// Fourth central moment of each cell's error [m^4] if packets are lost and the theory has it; else empty. With the

@@ -145,8 +145,12 @@ RunResult RunStatistics::result(bool complete) const {
     result.moments = averages_->moments();
   }
   result.complete = complete;
-  for (std::size_t i = 1; i <= configuration_.run.followers; ++i) result.last_steps.push_back(averages_->last_step(i));
-  result.last_step = std::max<std::int64_t>(*std::min_element(result.last_steps.begin(), result.last_steps.end()), 0);
+  std::int64_t reached = averages_->last_step(1);
+  for (std::size_t i = 1; i <= configuration_.run.followers; ++i) {
+    reached = std::min(reached, averages_->last_step(i));
+    result.last_steps.push_back(averages_->last_counted(i));
+  }
+  result.last_step = std::max<std::int64_t>(reached, 0);
   result.tally = tally_;
   result.counted_from = averages_->counted_from();
   result.manoeuvre = leader_departs_;

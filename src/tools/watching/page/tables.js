@@ -4,10 +4,10 @@ import { QUANTITIES } from "./motion.js";
 
 export const TABLES = {
   string({ statistics: of }) {
-    const early = of?.provisional;
-    return of && ["vehicle,step,mean,variance,standard_error,theoretical_mean,theoretical_variance,z" + (early ? ",provisional_mean,provisional_variance" : ""),
-      of.variance.map((variance, row) => [row + 1, of.step ?? early?.step, of.mean[row], variance, of.standard_error[row], of.theoretical_mean[row],
-        of.theoretical_variance[row], of.score[row], ...early ? [early.mean[row], early.variance[row]] : []])];
+    const early = of?.provisional, paused = of?.paused_until != null;  // paused averages end at an earlier step
+    return of && ["vehicle,step,mean,variance,standard_error,theoretical_mean,theoretical_variance,z" + (early ? ",provisional_mean,provisional_variance" : "") + (paused ? ",paused_until" : ""),
+      of.variance.map((variance, row) => [row + 1, early ? early.step : paused ? null : of.step, of.mean[row], variance, of.standard_error[row], of.theoretical_mean[row],
+        of.theoretical_variance[row], of.score[row], ...early ? [early.mean[row], early.variance[row]] : [], ...paused ? [of.paused_until] : []])];
   },
   gaps({ statistics: of }) {
     return of?.smallest_gap.length ? ["vehicle,smallest_gap,realization,step,collisions,theoretical_collision_bound", of.smallest_gap.map((gap, row) =>

@@ -51,6 +51,11 @@ TEST_F(EndlessRunStatisticsTest, LeaveOutAManoeuvreOfTheLeader) {
         EXPECT_EQ(statistics.result(false).manoeuvre, k == kJump || k == kJump + 1) << k;
       }
     }
+    const std::int64_t before = k < 30 ? -1 : kJump - 1;  // of the burn-in, and of the jump
+    if (k == 20 || k == 80) {
+      EXPECT_EQ(statistics.result(false).last_steps, (std::vector<std::int64_t>{before, k < 30 ? -1 : kJump})) << k;
+      EXPECT_EQ(statistics.result(false).last_step, k);
+    }
   }
   EXPECT_FALSE(undisturbed.leader_departs());
   EXPECT_EQ(undisturbed.averages().moments()[0].count, 130u);
@@ -79,6 +84,7 @@ TEST_F(EndlessRunStatisticsTest, AgreeWithoutNoiseButForTheRestOfTheStart) {
 TEST_F(EndlessRunStatisticsTest, ContinueWithANewAttemptBehindItsOwnBurnIn) {
   RunStatistics statistics(configuration_, std::nullopt);
   receive_batch(statistics, 1, 0, 49);
+  EXPECT_EQ(statistics.result(false).last_steps, (std::vector<std::int64_t>{49, 49}));
   receive_batch(statistics, 2, 0, 39);
   EXPECT_EQ(statistics.result(false).last_step, 39);
   EXPECT_EQ(statistics.averages().moments()[0].count, 20u + 10u);

@@ -39,7 +39,7 @@ inline RunResult result_with(const Configuration& configuration, const Predictio
 inline RunResult result_over_time() {
   RunResult result;
   result.realizations = 1;
-  result.last_step = 999;
+  result.last_step = 998;
   result.moments = {Moments{800, 0.1, 79.9}, Moments{800, 0.2, 159.8}};
   result.last_steps = {999, 998};
   return result;

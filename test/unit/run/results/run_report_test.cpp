@@ -220,13 +220,23 @@ TEST_F(ReportTest, LabelsAveragesOverTime) {
   make_endless();
   RunResult result = result_over_time();
   const std::string text = report_of(result);
-  EXPECT_TRUE(contains(text, "time averages up to 99.9 s (step 999), behind a burn-in of 20 s (200 steps)"));
+  EXPECT_TRUE(contains(text, "time averages up to 99.8 s (step 998), behind a burn-in of 20 s (200 steps)"));
   EXPECT_TRUE(contains(text, "; standard errors include the correlation of successive errors\n"));
   EXPECT_FALSE(contains(text, "was begun"));
   EXPECT_FALSE(contains(text, "agrees"));
   EXPECT_TRUE(contains(text, "No verdict: the averages are worth fewer than 1000 independent errors so far"));
   result.tally.attempts = 3;
   EXPECT_TRUE(contains(report_of(result), "was begun 3 times, each time with a burn-in and new noise"));
+}
+
+TEST_F(ReportTest, NamesTheStepUpToWhichPausedAveragesReach) {
+  make_endless();
+  RunResult result = result_over_time();
+  result.last_step = 1200;
+  EXPECT_TRUE(
+      contains(report_of(result), "time averages up to 99.8 s (step 998), paused at 120 s (step 1200), behind"));
+  result.last_steps = {-1, -1};
+  EXPECT_TRUE(contains(report_of(result), "time averages, paused at 120 s (step 1200), behind"));
 }
 
 constexpr char kSlowModel[] = R"(
