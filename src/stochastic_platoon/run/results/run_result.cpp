@@ -29,6 +29,11 @@ IndependentShare share_of(const Prediction& prediction, const RunResult& result,
   return {kNaN, kNaN, kNaN};
 }
 
+// Whether values that are not normal are too few for their measured fourth moment to tell how their variance scatters.
+bool has_unknown_scatter(const Moments& of) {
+  return !std::isnan(of.fourth_deviations) && of.count < kEnoughForAnyDistribution;
+}
+
 }  // namespace
 
 RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally) {
@@ -84,9 +89,9 @@ ResultCell ResultCells::of(std::size_t follower, std::int64_t step) const {
   return {{result_.moments[c], prediction_.mean[c], prediction_.variance[c],
            prediction_.rounding.empty() ? 0.0 : prediction_.rounding[c],
            over_time ? share_of(prediction_, result_, follower) : IndependentShare{},
-           !fourth_moments_.empty() ? fourth_moments_[c]
-           : prediction_.means_only ? kInfinity
-                                    : kNaN},
+           !fourth_moments_.empty()                                            ? fourth_moments_[c]
+           : prediction_.means_only || has_unknown_scatter(result_.moments[c]) ? kInfinity
+                                                                               : kNaN},
           follower,
           over_time ? result_.last_steps[c] : step};
 }

@@ -41,7 +41,8 @@ struct RunResult {
 RunResult result_of(const Configuration& configuration, const EnsembleTotals& totals, const Tally& tally = {});
 
 /// A cell of a result with its theory: follower i and a step. An average over time has a share, by ErrorCorrelation,
-/// else by BatchMeans; the fourth moment is one of fourth_moments(), infinite where the means alone are compared.
+/// else by BatchMeans; the fourth moment is one of fourth_moments(), infinite where the means alone are compared or
+/// fewer than a thousand realizations of quantised errors measure it.
 struct ResultCell : Comparison {
   std::size_t follower;
   std::int64_t step;  ///< for an average over time the latest step in it

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "unit/run/results/result_with.hpp"
 
@@ -186,6 +187,26 @@ TEST_F(OverviewTest, HasTheRealizationsThatAVerdictNeeds) {
   EXPECT_GT(later.plausible_z, largest_plausible_score(12));
   EXPECT_TRUE(std::isnan(later.realizations_needed));
   EXPECT_GT(later.variance_score[1], 1.0);
+}
+
+TEST_F(OverviewTest, HasNoScoreOfFewQuantisedErrors) {
+  configuration_.model.default_vehicle().position().link.quantisation_step = 0.5;
+  predict_again();
+  RunResult result = result_with_fourth_moments();
+  for (const std::uint64_t count : {20u, 999u, 1000u}) {
+    for (Moments& of : result.moments) {
+      const double factor = static_cast<double>(count) / static_cast<double>(std::exchange(of.count, count));
+      of.squared_deviations *= factor;
+      of.fourth_deviations *= factor;
+    }
+    result.realizations = count;
+    const auto overview = this->overview(result);
+    EXPECT_EQ(std::isnan(overview.max_abs_z_variance), count < 1000) << count;
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(std::isnan(overview.variance_score[i]), count < 1000) << count;
+      EXPECT_GT(overview.standard_error[i], 0.0) << count;
+    }
+  }
 }
 
 TEST_F(OverviewTest, OfAveragesOverTimeHasNoStandardErrorsIfPacketsAreLost) {
