@@ -114,6 +114,17 @@ class Models(ModuleTest):
                            ("channel/loss/probability", "loss"), ("channel/loss/mean_burst", "mean_burst"), ("leader", "leader/file")):
             for changes in ({one: 3.0, other: 2.0}, {other: 2.0, one: 3.0}):
                 self.assertRaisesText(ValueError, "{}: given: must be absent beside {}, which sets it too".format(other, one), model.replace, changes)
+        loss = {"probability": 0.1}
+        for section, value, key in (("channel", {}, "delay"), ("channel", {"delay": 2}, "channel/delay"), ("channel", {"loss": loss}, "loss"),
+                                    ("channel/loss", loss, "loss"), ("leader", {"file": "city.csv"}, "leader/unit"),
+                                    ("controller/numerator", [1.0, 0.0], "controller/numerator/0")):
+            self.assertRaisesText(ValueError, "{}: given: must be absent beside {}, which it replaces".format(section, key), model.replace,
+                                  {section: value, key: 1})
+        self.assertRaisesText(ValueError, "channel: given: must be absent beside channel/loss, which it replaces", model.replace,
+                              {"channel": {}, "channel/loss": loss})
+        self.assertEqual(model.replace({"leader": "city.csv", "leader/unit": "km/h"}), model.replace(leader={"file": "city.csv", "unit": "km/h"}))
+        inputs = [{"signal": "position", "channel": {"delay": 1}}]
+        self.assertEqual(model.replace(inputs=inputs).replace(delay=2), model.replace(inputs=inputs).replace(inputs=inputs, delay=2))
         self.assertRaisesText(ValueError, "time_heedway: unknown key", model.replace, time_heedway=1)
         self.assertRaisesText(ValueError, "seed: belongs to a run", model.replace, seed=2)
         self.assertRaisesText(ValueError, "must be YAML", sp.Model.parse, "a: [1")
