@@ -116,6 +116,7 @@ int analyze_main(int argc, char** argv) {
     std::cout << settings["model"] << "\n";
     const auto found =
         problems.result_of([&] { return platoon::parse_configuration(platoon::configuration_document(settings)); });
+    problems.check([&] { platoon::require_steps(given, "here"); });
     problems.require_none();
     const platoon::Configuration& configuration = *found;
     const platoon::PlatoonModel& model = configuration.model;

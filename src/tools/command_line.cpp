@@ -12,6 +12,7 @@
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/configuration/version.hpp"
+#include "stochastic_platoon/run/configuration/yaml_value.hpp"
 
 namespace platoon {
 
@@ -100,6 +101,11 @@ CommandLine parse_command_line(int argc, char** argv, const AcceptedOptions& acc
     if (file != line.settings.end()) file->second = shipped_file(file->second, folder);
   }
   return line;
+}
+
+void require_steps(const CommandLine& line, const std::string& where) {
+  if (parsed_integer(YAML::Node(line.setting("steps"))) == 0)
+    throw ConfigurationError({"steps: 0: must be at least 1 " + where});
 }
 
 unsigned threads_of(const CommandLine& line) {

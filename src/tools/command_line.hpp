@@ -49,6 +49,10 @@ std::string option_name(std::string name);
 /// The help of `steps` in tools without endless runs.
 extern const char* const kStepsHelp;
 
+/// Throws ConfigurationError if the setting `steps` is 0, as only launches have endless runs; "must be at least 1
+/// WHERE".
+void require_steps(const CommandLine& line, const std::string& where);
+
 /// The number of worker threads that the option `threads` gives, by default one per core. Throws ConfigurationError.
 unsigned threads_of(const CommandLine& line);
 

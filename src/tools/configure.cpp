@@ -20,6 +20,7 @@
 #include "stochastic_platoon/run/configuration/shipped_files.hpp"
 #include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
+#include "stochastic_platoon/run/io/read_file.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/provenance.hpp"
 #include "tools/command_line.hpp"
@@ -256,10 +257,21 @@ int configure_main(int argc, char** argv) {
     const std::string& split = settings["record_split_mb"];
     const bool in_parts = found ? found->run.record_split_mb > 0 : !split.empty() && split != "0";
     problems.check([&] { platoon::require_free_recording(settings["record"], in_parts); });
+    std::unique_ptr<platoon::FolderLock> lock;
+    std::optional<platoon::Checkpoint> start;
+    const auto take_output = [&] {
+      lock = platoon::lock_output(found->run);
+      start = platoon::starting_point(*found);
+    };
+    const std::string& output = settings["output"];
+    problems.check([&] {
+      if (output.empty()) return;  // a fault above
+      if (found && platoon::may_exist(output)) return take_output();
+      platoon::require_possible_output(output);  // it is made once there is no fault
+    });
     problems.require_none();
+    if (!lock) take_output();
     platoon::Configuration& configuration = *found;
-    const std::unique_ptr<platoon::FolderLock> lock = platoon::lock_output(configuration.run);
-    const std::optional<platoon::Checkpoint> start = platoon::starting_point(configuration);
     if (start) configuration.run.first_realization = start->totals.count();
     lock->leave_claim(::getppid());  // until the monitor of this launch starts; roslaunch is the parent
     std::cout << platoon::to_json(configuration).dump() << "\n";

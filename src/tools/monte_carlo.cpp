@@ -9,7 +9,6 @@
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
 #include "stochastic_platoon/run/configuration/single_number.hpp"
-#include "stochastic_platoon/run/configuration/yaml_value.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/read_file.hpp"
@@ -81,8 +80,7 @@ platoon::Configuration configured(const platoon::CommandLine& given) {
   platoon::ProblemCollector problems;
   auto configuration =
       problems.result_of([&] { return platoon::parse_configuration(platoon::configuration_document(settings)); });
-  if (platoon::parsed_integer(YAML::Node(given.setting("steps"))) == 0)
-    problems.add("steps: 0: must be at least 1 for a Monte Carlo");
+  problems.check([&] { platoon::require_steps(given, "for a Monte Carlo"); });
   problems.require_none();
   return *configuration;
 }
@@ -120,7 +118,7 @@ int monte_carlo_main(int argc, char** argv) {
       recorded = repeated(given["repeat"], given.settings);
       return recorded->configuration;
     });
-    if (given.setting("output").empty()) problems.add("output: (empty): must be a folder");
+    problems.check([&] { platoon::require_possible_output(given.setting("output"), !given.has("only")); });
     if (given.has("only") != given.has("trajectories"))
       problems.add(given.has("only") ? "only: given: must be with --trajectories"
                                      : "trajectories: given: must be with --only");

@@ -10,6 +10,7 @@
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
 #include "stochastic_platoon/run/configuration/settings.hpp"
+#include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/io/atomic_file.hpp"
 #include "stochastic_platoon/run/io/clock.hpp"
 #include "stochastic_platoon/run/io/progress_display.hpp"
@@ -155,7 +156,8 @@ int rare_main(int argc, char** argv) {
   platoon::stop_on_signals();
   try {
     platoon::ProblemCollector problems;
-    if (given.setting("output").empty()) problems.add("output: (empty): must be a folder");
+    const std::string output = given.setting("output");
+    problems.check([&] { platoon::require_possible_output(output, given.has("shard")); });
     if (!given.words.empty()) {
       problems.require_none();
       merge_into(given);
@@ -170,6 +172,8 @@ int rare_main(int argc, char** argv) {
       if (given.has(name) && !given.has("trajectories"))
         problems.add(std::string(name) + ": given: must be with --trajectories");
     }
+    if (!given.has("shard") && !given.has("trajectories"))
+      problems.check([&] { platoon::require_no_rare_results(output); });
     if (given.has("shard") && given.has("trajectories"))
       problems.add("shard: given: must be absent beside trajectories");
     problems.check([&] {
@@ -177,14 +181,19 @@ int rare_main(int argc, char** argv) {
     });
     const auto judged = found ? found : configured_by_file(given.settings);
     problems.check([&] {
-      if (judged)
-        platoon::require_applicable(*judged, found && options ? *options : platoon::RareOptions{0.0, "auto", {}});
+      if (!judged) return platoon::require_steps(given, "here");
+      platoon::require_applicable(*judged, found && options ? *options : platoon::RareOptions{0.0, "auto", {}});
+    });
+    problems.check(
+        [&] { platoon::rare_row(given["vehicle"], judged ? judged->run.followers : platoon::kMaxFollowers); });
+    problems.check([&] {  // before any work; below against the samples
+      if (given.has("only")) platoon::integer_of("only", given["only"], 0, platoon::kMaxCount);
     });
     problems.require_none();
     const std::optional<platoon::RareRequirement>& requirement = *asked;
     platoon::Configuration configuration = *found;
     configuration.run.hosting = platoon::Hosting::monte_carlo;
-    if (requirement && !given.has("trajectories")) platoon::require_no_rare_results(configuration.run.output);
+    if (requirement && given.has("shard")) platoon::require_no_rare_results(output);
     if (requirement) configuration = fulfilling(*requirement, configuration, *options, *how, given);
     const platoon::RareRun run = prepared(configuration, *options, how->threads);
     if (!requirement) platoon::require_an_estimate(run);

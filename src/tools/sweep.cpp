@@ -94,7 +94,7 @@ int sweep_main(int argc, char** argv) {
       const std::uint64_t tasks = found ? found->tasks() : kMost;
       return is_number ? platoon::integer_of("task", task, 0, static_cast<std::int64_t>(tasks) - 1) : 0;
     });
-    if (given["output"].empty() && task != "count") problems.add("output: (empty): must be a folder");
+    if (task != "count") problems.check([&] { platoon::require_possible_output(given["output"], !is_number); });
     problems.require_none();
     const platoon::Sweep& sweep = *found;
     if (task == "count") {

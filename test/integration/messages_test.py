@@ -78,6 +78,12 @@ class Rejected(FolderTest):
         self.check(["model: nope.yaml: no such file", *said], model="nope.yaml", **own)
         self.check(["model: nope.yaml: no such file", "model/leader/file: cit.csv: no such file"], model="nope.yaml", leader="cit.csv",
                    mean_burst="3")
+        self.check(["output: /dev/null/run: cannot be made: Not a directory: must be", *said], output="/dev/null/run", **own)
+        os.mkdir(self.path("full"))
+        self.write("full/statistics.csv", "precious")
+        full = "output: {}: holds results already".format(self.path("full"))
+        self.check([full, "dashboard_port: x: must be"], output=self.path("full"), dashboard_port="x")
+        self.check([full, "model/time_headway: -3: must be"], output=self.path("full"), headway="-3")
         self.check(["headway_seconds: given: must be absent beside headway", "model/time_headway_seconds: -1: must be", "run/steps: x: must be"],
                    headway="2", headway_seconds="-1", steps="x")
 

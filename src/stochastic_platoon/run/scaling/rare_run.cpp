@@ -199,11 +199,13 @@ void require_an_estimate(const RareRun& run) {
   throw ConfigurationError({run.estimator->problem(0)});
 }
 
+std::size_t rare_row(const std::string& vehicle, std::size_t followers) {
+  if (vehicle.empty() || vehicle == "any") return followers;
+  return static_cast<std::size_t>(integer_of("vehicle", vehicle, 1, static_cast<std::int64_t>(followers))) - 1;
+}
+
 RareReplay rare_replay(const RareRun& run, const std::string& vehicle, const std::string& only) {
-  const std::size_t followers = run.configuration.run.followers;
-  std::size_t row = followers;
-  if (!vehicle.empty() && vehicle != "any")
-    row = static_cast<std::size_t>(integer_of("vehicle", vehicle, 1, static_cast<std::int64_t>(followers))) - 1;
+  const std::size_t row = rare_row(vehicle, run.configuration.run.followers);
   std::optional<std::uint64_t> sample;
   if (!only.empty())
     sample = static_cast<std::uint64_t>(integer_of("only", only, 0, static_cast<std::int64_t>(run.samples()) - 1));

@@ -78,13 +78,16 @@ void require_an_estimate(const RareRun& run);
 /// Throws ConfigurationError if the folder has the results of an estimation.
 void require_no_rare_results(const std::string& output);
 
+/// The row of a follower, or of "any" (also if `vehicle` is empty), in a string of so many. Throws ConfigurationError.
+std::size_t rare_row(const std::string& vehicle, std::size_t followers);
+
 /// A sample in which the event happens, to be simulated as this realization of these draws.
 struct RareReplay {
   std::uint64_t realization;
   std::shared_ptr<const ChangedDraws> changes;  ///< valid as long as the estimator
 };
 
-/// `vehicle`: number of a follower, or "any" (also if empty). `only`: number of a conditioned realization, or of a
+/// `vehicle`: see rare_row(). `only`: number of a conditioned realization, or of a
 /// repetition of a splitting; empty for the most likely realization, or for the first repetition that has the event.
 /// Throws ConfigurationError.
 RareReplay rare_replay(const RareRun& run, const std::string& vehicle, const std::string& only);
