@@ -84,7 +84,7 @@ class Commands(unittest.TestCase):
         cls.folder = temporary_folder(cls.addClassCleanup)
         cls.home = os.path.join(cls.folder, "home")
         os.mkdir(cls.home)
-        cls.environment = dict(HOME=cls.home, PATH="/usr/bin:/bin", LANG="C.UTF-8", TERM="dumb", ROS_HOSTNAME="localhost",
+        cls.environment = dict(HOME=cls.home, TMPDIR=cls.folder, PATH="/usr/bin:/bin", LANG="C.UTF-8", TERM="dumb", ROS_HOSTNAME="localhost",
                                ROS_MASTER_URI="http://localhost:{}".format(live_platoon.free_port()), REALIZATIONS="1000",
                                PYTHONUNBUFFERED="1")  # otherwise roslaunch buffers its output
         if "PLATOON_SANITIZED" in os.environ:  # see test/sanitize

@@ -9,12 +9,14 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
 import matplotlib.image
 import numpy as np
 import stochastic_platoon as sp
 
 from code_blocks import BLOCK, CodeTest
+from folder import FolderTest, temporary_folder
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 EXAMPLES = os.path.join(PACKAGE, "launch", "examples")
@@ -45,8 +47,7 @@ def picture(path):
 class Scripts(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp()
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.folder = temporary_folder(cls.addClassCleanup)
         cls.names = sorted(os.path.basename(path) for path in glob.glob(os.path.join(EXAMPLES, "tutorial_*.py")))
         cls.runs = {name: cls.run_script(name, os.path.join(cls.folder, "made", "new")) for name in cls.names}
 
@@ -134,10 +135,12 @@ class Scripts(unittest.TestCase):
         self.assertEqual((again.returncode, again.stdout), (0, self.runs["tutorial_6_figure.py"].stdout))
 
 
-class CodeBlocks(CodeTest):
+class CodeBlocks(FolderTest, CodeTest):
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
+        within = unittest.mock.patch.object(tempfile, "tempdir", self.folder)  # a block makes a folder
+        within.start()
+        self.addCleanup(within.stop)
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(self.folder)
 
