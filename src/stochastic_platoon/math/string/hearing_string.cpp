@@ -172,7 +172,7 @@ StringEnd HearingTheory::end(bool with_variances) const {
       settled_hearing(model(), [&](const HearingSpectra& spectra) {
         const auto string = endless_hearing(spectra, period_, loses_);
         end.loss_gain = string->loss_gain();
-        end.variances = end.loss_gain < 1.0 ? string->variances(string->added()) : std::vector<double>(period_, 0.0);
+        end.variances = end.loss_gain >= 1.0 ? std::vector<double>(period_, 0.0) : string->variances(string->added());
         std::vector<double> settling = end.variances;
         settling.push_back(1.0 + end.loss_gain);  // a gain of 1e-15 has no digits that could settle
         return settling;
