@@ -46,22 +46,22 @@ Model Model::replaced(const std::map<std::string, std::string>& changes) const {
   YAML::Node document;
   document["model"] = YAML::Clone(document_);
   ProblemCollector problems;
-  std::vector<std::pair<std::string, YAML::Node>> ordered;  // sections and lists before single values
-  std::ptrdiff_t sections = 0;
+  std::vector<std::pair<std::string, YAML::Node>> sections, values;
   for (const auto& change : changes) {
     problems.check([&] {
       require_model_key(change.first);
       const YAML::Node value = parse_yaml(change.second, change.first);
-      ordered.insert(ordered.begin() + sections, {change.first, value});
-      if (!value.IsScalar()) ++sections;
+      (value.IsScalar() ? values : sections).emplace_back(change.first, value);
     });
   }
+  // A section or list after the keys within it, which it would drop: such changes have no order of their own.
   std::vector<std::string> names;
-  for (const auto& change : ordered) {
+  for (const auto& change : values) names.push_back(change.first);
+  for (auto change = sections.rbegin(); change != sections.rend(); ++change) names.push_back(change->first);
+  sections.insert(sections.end(), values.begin(), values.end());
+  for (const auto& change : sections) {
     problems.check([&] { override_value(document, change.first, change.second); });
-    names.insert(names.begin(), change.first);
   }
-  // In the reverse order a section would drop what is within it: such changes have no order of their own.
   problems.add(conflicts(names));
   problems.require_none();
   resolve_tables(document["model"], std::filesystem::current_path().string());
