@@ -34,6 +34,7 @@ public:
   double loss_gain_beside_one() const override;
 
   bool has_cross_spectra() const override { return true; }
+  double loss_margin() const override { return 1.0 - loss_gain_beside_one(); }
   double border_accuracy() const override { return 1e-7; }  // each margin takes a verdict of the whole string
   std::vector<double> settled(std::size_t followers, const Values& values) const override;
   std::vector<double> settled_behind_endless(const Values& values) const override;

@@ -45,6 +45,7 @@ public:
 
   double gain_margin() const override { return pattern_.gain_margin(); }
   double loss_gain_beside_one() const override;
+  double loss_margin() const override { return 1.0 / loss_gain_beside_one() - 1.0; }
   double border_accuracy() const override { return 1e-12; }
   std::vector<double> settled(std::size_t followers, const Values& values) const override;
   std::vector<double> settled_behind_endless(const Values& values) const override;

@@ -75,6 +75,9 @@ public:
   /// The loss gain of a string whose gain margin is positive, on its exact side of 1 at less cost; 0 without losses.
   virtual double loss_gain_beside_one() const = 0;
 
+  /// Positive exactly if the loss gain is below 1: 1 / loss gain - 1; where vehicles hear others, 1 - loss gain.
+  virtual double loss_margin() const = 0;
+
   /// Accuracy of a border of string stability, relative.
   virtual double border_accuracy() const = 0;
 

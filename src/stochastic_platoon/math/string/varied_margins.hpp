@@ -12,7 +12,7 @@
 
 namespace platoon {
 
-/// The margins of a platoon as functions of one varied value: StringTheory::gain_margin(), and 1 / loss gain - 1.
+/// The margins of a platoon as functions of one varied value: StringTheory::gain_margin() and loss_margin().
 struct VariedMargins {
   StabilityMargin gain, losses;
   double accuracy;  ///< of a border, relative
@@ -49,7 +49,7 @@ inline VariedMargins varied_margins(std::function<PlatoonModel(double)> model_at
     };
   };
   return {margin([](const StringTheory& found) { return found.gain_margin(); }),
-          margin([](const StringTheory& found) { return 1.0 / found.loss_gain_beside_one() - 1.0; }), accuracy};
+          margin([](const StringTheory& found) { return found.loss_margin(); }), accuracy};
 }
 
 }  // namespace platoon
