@@ -11,13 +11,14 @@ import stochastic_platoon as sp
 from matplotlib.figure import Figure
 
 from plotting import files
-from watching.events import is_paused
 
 PERIOD = 2.0  # [s] from one figure to the next, at least
 
 
 def results_of(configuration: Dict[str, Any], overview: Any) -> sp.Results:
     """The present state of a run, at the steps of the monitor's overview."""
+    from watching.events import is_paused
+
     followers, steps = configuration["followers"], np.array([-1] if is_paused(overview) else overview.step, float)
     verdict = overview.string_stable if overview.theory == "exact" and not overview.undecided else None
     summary = {"followers": followers, "realizations": overview.realizations, "seed": configuration["seed"],
