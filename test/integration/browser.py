@@ -1,9 +1,12 @@
 """A page in headless Chromium, through its driver."""
 
 import base64
+import os
 import shutil
+import unittest
 
 import live_platoon
+from folder import temporary_folder
 
 live_platoon.skip_without("chromium", "chromedriver")
 from selenium import webdriver  # noqa: E402
@@ -22,7 +25,8 @@ class Browser:
         for argument in ARGUMENTS + ("--window-size={},{}".format(width, height),):
             options.add_argument(argument)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+        self.driver = webdriver.Chrome(options=options, service=Service(
+            shutil.which("chromedriver"), env=dict(os.environ, TMPDIR=temporary_folder(unittest.addModuleCleanup))))  # Chromium leaves folders
         self.driver.set_page_load_timeout(30)
         self.driver.set_script_timeout(30)
 
