@@ -240,7 +240,7 @@ class Theory(ModuleTest):
         small = dict(followers=1, steps=2, realizations=2)
         program("analyze", followers=1, steps=2, json=self.path("a.json"))
         program("monte_carlo", "--trajectories", only=1, output=self.folder, **small)
-        program("rare", "--trajectories", model="paper_at_rest.yaml", output=self.path("rare"), **small)
+        program("rare", "--trajectories", model="paper_at_rest.yaml", followers=1, steps=20, realizations=200, output=self.path("rare"))
         program("sweep", self.write("sweep.yaml", "{vary: {headway: [2.4, 3.2]}, followers: 1, steps: 2, realizations: 2}"), output=self.folder)
         for load, name, *files in ((sp.Analysis.load, "a.json", "a.json"), (sp.Sweep.load, "sweep.csv", "sweep.csv", "sweep.json"),
                                    *((sp.Trajectories.load, folder + "trajectories.csv", folder + "trajectories.csv", folder + "trajectories.json")
