@@ -171,6 +171,7 @@ RootBounds perron_bounds(const NonnegativeMap& map, Eigen::Index size) {
 
 double perron_root_beside_one(const NonnegativeMap& map, Eigen::Index size, double share_of_distance) {
   constexpr double kFar = 2.0;
+  if (size == 0) return 0.0;
   const RootBounds bounds = perron_bounds(map, size);
   if (bounds.most < 1.0 / kFar || bounds.least > kFar) return std::sqrt(bounds.least * bounds.most);
   return perron_root(map, size, share_of_distance);

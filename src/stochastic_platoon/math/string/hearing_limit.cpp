@@ -62,12 +62,8 @@ Eigen::Index above(double size, const SpectralMatrix& a) {
 
 class EndlessHearing : public EndlessString {
 public:
-  EndlessHearing(const HearingSpectra& spectra, std::size_t period, std::size_t first, bool loses)
-      : EndlessString(noise_of(spectra, period, first)),
-        spectra_(spectra),
-        period_(period),
-        first_(first),
-        loses_(loses) {
+  EndlessHearing(const HearingSpectra& spectra, std::size_t period, std::size_t first)
+      : EndlessString(noise_of(spectra, period, first)), spectra_(spectra), period_(period), first_(first) {
     const Window nothing = spectra.nothing();
     SpectralMatrix product_of_all = nothing;
     for (std::size_t j = 0; j < product_of_all.size(); ++j) product_of_all[j][j].setOnes();
@@ -97,36 +93,57 @@ public:
   }
 
   Eigen::Index dimensions() const override {
-    return loses_ ? static_cast<Eigen::Index>(period_) * noise_.front().size() : 0;
+    Eigen::Index sum = 0;
+    for (std::size_t p = 0; p < period_; ++p) {
+      const HearingSpectra::Vehicle& own = spectra_.vehicle(first_ + p);
+      for (const auto& packet : own.packets) sum += spectra_.dimensions(own, packet);
+    }
+    return sum;
   }
 
   Eigen::VectorXd drives(const std::vector<Eigen::ArrayXd>& added) const override {
-    const std::unique_ptr<StringWalk> walk = walk_behind(added);
-    const Eigen::Index nodes = added.front().size();
+    Window window = in_front(added);
     Eigen::VectorXd drives(dimensions());
+    Eigen::Index at = 0;
     for (std::size_t p = 0; p < period_; ++p) {
-      drives.segment(static_cast<Eigen::Index>(p) * nodes, nodes) = sum_of(walk->added()) - noise_[p];
-      walk->pass(added[p]);
+      const HearingSpectra::Vehicle& own = spectra_.vehicle(first_ + p);
+      for (const auto& packet : own.packets) {
+        const Eigen::VectorXd of = spectra_.drives(own, packet, window);
+        drives.segment(at, of.size()) = of;
+        at += of.size();
+      }
+      spectra_.advance(first_ + p, added[p], window);
     }
     return drives;
   }
 
   void add(const Eigen::VectorXd& drives, std::vector<Eigen::ArrayXd>& added) const override {
-    for (std::size_t p = 0; p < period_; ++p)
-      added[p] += drives.segment(static_cast<Eigen::Index>(p) * added[p].size(), added[p].size()).array();
+    Eigen::Index at = 0;
+    for (std::size_t p = 0; p < period_; ++p) {
+      const HearingSpectra::Vehicle& own = spectra_.vehicle(first_ + p);
+      for (const auto& packet : own.packets) {
+        const Eigen::Index count = spectra_.dimensions(own, packet);
+        if (count > 0) added[p] += spectra_.of_drives(own, packet, drives.segment(at, count));
+        at += count;
+      }
+    }
   }
 
   std::unique_ptr<StringWalk> walk_behind(const std::vector<Eigen::ArrayXd>& added) const override {
+    return std::make_unique<HearingWalk>(spectra_, first_, in_front(added));
+  }
+
+private:
+  Window in_front(const std::vector<Eigen::ArrayXd>& added) const {
     Window window = spectra_.nothing();
     for (std::size_t p = 0; p < period_; ++p) {
       for (std::size_t i = 0; i < window.size(); ++i) {
         for (std::size_t j = 0; j < window.size(); ++j) window[i][j] += added[p] * of_one_[p][i][j];
       }
     }
-    return std::make_unique<HearingWalk>(spectra_, first_, std::move(window));
+    return window;
   }
 
-private:
   static std::vector<Eigen::ArrayXd> noise_of(const HearingSpectra& spectra, std::size_t period, std::size_t first) {
     std::vector<Eigen::ArrayXd> added;
     for (std::size_t p = 0; p < period; ++p) added.push_back(sum_of(spectra.added(first + p, spectra.nothing())));
@@ -135,16 +152,15 @@ private:
 
   const HearingSpectra& spectra_;
   std::size_t period_, first_;
-  bool loses_;
   std::vector<Window> of_one_;  ///< in front, if a place alone adds 1; by doubling
 };
 
 }  // namespace
 
-std::unique_ptr<EndlessString> endless_hearing(const HearingSpectra& spectra, std::size_t period, bool loses) {
+std::unique_ptr<EndlessString> endless_hearing(const HearingSpectra& spectra, std::size_t period) {
   std::size_t first = spectra.reach() + 1;
   while ((first - 1) % period != 0) ++first;  // whole patterns later, so that it begins one
-  return std::make_unique<EndlessHearing>(spectra, period, first, loses);
+  return std::make_unique<EndlessHearing>(spectra, period, first);
 }
 
 }  // namespace platoon

@@ -134,27 +134,52 @@ std::vector<Eigen::ArrayXd> HearingSpectra::added(std::size_t follower, const Wi
   std::vector<Eigen::ArrayXd> by_input;
   for (const Vehicle::Heard& input : own.inputs) by_input.emplace_back(input.own.abs2() * input.noise);
   for (const Vehicle::Packet& packet : own.packets) {
-    Eigen::ArrayXd& sum = by_input[packet.inputs.front()];
     for (const std::size_t j : packet.inputs) by_input[j] *= packet.passed.abs2();
-    for (const std::size_t j : packet.inputs) {
-      const Vehicle::Heard& one = own.inputs[j];
-      for (const std::size_t l : packet.inputs) {
-        if (l < j) continue;  // the conjugate of another
-        const Vehicle::Heard& other = own.inputs[l];
-        Eigen::ArrayXcd sent = Eigen::ArrayXcd::Zero(sum.size());
-        if (one.distance > 0) {
-          const std::size_t at = one.distance - 1;
-          sent = one.sent * other.sent.conjugate() * ahead[at][at];
-        }
-        if (j == l) sent += one.noise.cast<std::complex<double>>();
-        const Eigen::ArrayXcd scattered =
-            packet.losses->of_cross_spectrum(sent) +
-            one.steady * other.steady * packet.losses->of_constant_drive().cast<std::complex<double>>();
-        sum += (l > j ? 2.0 : 1.0) * (one.own * other.own.conjugate() * scattered).real();
-      }
-    }
+    by_input[packet.inputs.front()] += scattered(own, packet, ahead, true);
   }
   return by_input;
+}
+
+// With the noises and the platoon's own motion, or without them.
+Eigen::ArrayXd HearingSpectra::scattered(const Vehicle& own, const Vehicle::Packet& packet, const Window& ahead,
+                                         bool with_noise) const {
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(nodes_.count());
+  for (const std::size_t j : packet.inputs) {
+    const Vehicle::Heard& one = own.inputs[j];
+    for (const std::size_t l : packet.inputs) {
+      if (l < j) continue;  // the conjugate of another
+      const Vehicle::Heard& other = own.inputs[l];
+      Eigen::ArrayXcd sent = Eigen::ArrayXcd::Zero(sum.size());
+      if (one.distance > 0) {
+        const std::size_t at = one.distance - 1;
+        sent = one.sent * other.sent.conjugate() * ahead[at][at];
+      }
+      if (with_noise && j == l) sent += one.noise.cast<std::complex<double>>();
+      Eigen::ArrayXcd scattered = packet.losses->of_cross_spectrum(sent);
+      if (with_noise)
+        scattered += one.steady * other.steady * packet.losses->of_constant_drive().cast<std::complex<double>>();
+      sum += (l > j ? 2.0 : 1.0) * (one.own * other.own.conjugate() * scattered).real();
+    }
+  }
+  return sum;
+}
+
+Eigen::Index HearingSpectra::dimensions(const Vehicle& own, const Vehicle::Packet& packet) const {
+  if (own.inputs[packet.inputs.front()].distance == 0) return 0;
+  return packet.inputs.size() == 1 ? packet.losses->dimensions() : nodes_.count();
+}
+
+Eigen::VectorXd HearingSpectra::drives(const Vehicle& own, const Vehicle::Packet& packet, const Window& ahead) const {
+  const Vehicle::Heard& first = own.inputs[packet.inputs.front()];
+  if (first.distance == 0) return Eigen::VectorXd(0);
+  if (packet.inputs.size() > 1) return scattered(own, packet, ahead, false);
+  return packet.losses->drives((first.sent.abs2() * ahead[first.distance - 1][first.distance - 1].real()).matrix());
+}
+
+Eigen::ArrayXd HearingSpectra::of_drives(const Vehicle& own, const Vehicle::Packet& packet,
+                                         const Eigen::VectorXd& drives) const {
+  if (packet.inputs.size() > 1) return drives;
+  return own.inputs[packet.inputs.front()].own.abs2() * (*packet.losses)(drives).array();
 }
 
 double HearingSpectra::variance(const Pair& pair, const Filters& of) const {

@@ -60,6 +60,15 @@ public:
   /// inputs.
   std::vector<Eigen::ArrayXd> added(std::size_t follower, const Window& ahead) const;
 
+  /// What drives the losses of a packet, of the spectra that it is sent alone: the drives of its link (see
+  /// LossScatter), or, as those of cross spectra may be negative, the spectrum that the losses of several inputs add.
+  /// None from the leader.
+  Eigen::Index dimensions(const Vehicle& own, const Vehicle::Packet& packet) const;
+  Eigen::VectorXd drives(const Vehicle& own, const Vehicle::Packet& packet, const Window& ahead) const;
+
+  /// The spectrum that the losses of a packet add by drives, of which there are some.
+  Eigen::ArrayXd of_drives(const Vehicle& own, const Vehicle::Packet& packet, const Eigen::VectorXd& drives) const;
+
   /// What a quantity takes of the positions of a follower and of its predecessor.
   struct Filters {
     Eigen::ArrayXcd own, predecessor;
@@ -82,6 +91,8 @@ public:
   const Eigen::ArrayXcd& moved() const { return moved_; }
 
 private:
+  Eigen::ArrayXd scattered(const Vehicle& own, const Vehicle::Packet& packet, const Window& ahead,
+                           bool with_noise) const;
   std::shared_ptr<const LossScatter> scatter(const LossModel& loss) const;
 
   PlatoonModel model_;

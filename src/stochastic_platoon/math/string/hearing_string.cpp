@@ -105,7 +105,7 @@ std::vector<double> settled_hearing(const PlatoonModel& model,
 }
 
 HearingTheory::HearingTheory(const PlatoonModel& given)
-    : StringTheory(given), period_(type_order(given).size()), loses_(loses(given)), growth_(0.0) {
+    : StringTheory(given), period_(type_order(given).size()), growth_(0.0) {
   if (const std::optional<std::string> reason = no_theory(given))
     throw std::invalid_argument("no theory, as " + *reason);
   any_link(given, [this](const LinkModel& link) {
@@ -170,7 +170,7 @@ StringEnd HearingTheory::end(bool with_variances) const {
   if (with_variances) {
     try {
       settled_hearing(model(), [&](const HearingSpectra& spectra) {
-        const auto string = endless_hearing(spectra, period_, loses_);
+        const auto string = endless_hearing(spectra, period_);
         end.loss_gain = string->loss_gain();
         end.variances = end.loss_gain >= 1.0 ? std::vector<double>(period_, 0.0) : string->variances(string->added());
         std::vector<double> settling = end.variances;
@@ -198,7 +198,7 @@ double HearingTheory::gain_margin() const {
 }
 
 double HearingTheory::loss_gain_beside_one() const {
-  if (!loses_) return 0.0;
+  if (!loses(model())) return 0.0;
   // A variance shows a narrow peak of the string's gain. The sign of the margin is known before its value.
   constexpr double kResolved = 1e-4, kCertain = 0.05;
   const auto is_certain = [](const std::vector<double>& before, const std::vector<double>& now) {
@@ -207,7 +207,7 @@ double HearingTheory::loss_gain_beside_one() const {
   };
   constexpr double kShare = 0.01;
   const auto gain = [this](const HearingSpectra& spectra) {
-    const auto string = endless_hearing(spectra, period_, true);
+    const auto string = endless_hearing(spectra, period_);
     const std::vector<Eigen::ArrayXd> ones(period_, Eigen::ArrayXd::Ones(spectra.moved().size()));
     return std::vector<double>{string->loss_gain_beside_one(kShare), string->variances(ones).front()};
   };
@@ -223,7 +223,7 @@ std::vector<double> HearingTheory::settled(std::size_t, const Values& values) co
 
 std::vector<double> HearingTheory::settled_behind_endless(const Values& values) const {
   return settled_hearing(model(), [&](const HearingSpectra& spectra) {
-    const auto string = endless_hearing(spectra, period_, loses_);
+    const auto string = endless_hearing(spectra, period_);
     return values(*string->walk_behind(string->added()));
   });
 }

@@ -43,7 +43,6 @@ private:
   const HearingGain& gain() const;
 
   std::size_t period_;  ///< of the pattern
-  bool loses_;
   double growth_;
   mutable std::optional<double> spectral_radius_;
   mutable std::unique_ptr<const HearingGain> gain_;
