@@ -32,17 +32,17 @@ SpectralMatrix adjoint(const SpectralMatrix& a) {
   return c;
 }
 
-/// Adds to the first frequencies of the sum.
-void add_to(SpectralMatrix& sum, const SpectralMatrix& a) {
+/// Adds to frequencies of the sum, from this one on.
+void add_to(SpectralMatrix& sum, Eigen::Index from, const SpectralMatrix& a) {
   for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < a.size(); ++j) sum[i][j].head(a[i][j].size()) += a[i][j];
+    for (std::size_t j = 0; j < a.size(); ++j) sum[i][j].segment(from, a[i][j].size()) += a[i][j];
   }
 }
 
-SpectralMatrix head(const SpectralMatrix& a, Eigen::Index frequencies) {
+SpectralMatrix part(const SpectralMatrix& a, Eigen::Index from, Eigen::Index frequencies) {
   SpectralMatrix c(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    for (const Eigen::ArrayXcd& entry : a[i]) c[i].emplace_back(entry.head(frequencies));
+    for (const Eigen::ArrayXcd& entry : a[i]) c[i].emplace_back(entry.segment(from, frequencies));
   }
   return c;
 }
@@ -79,17 +79,9 @@ public:
       for (std::size_t q = 0; q < period_; ++q) spectra.advance(first_ + q, q == p ? zero + 1.0 : zero, once);
       of_one_.push_back(std::move(once));
     }
-    constexpr double kNegligible = 1e-20;
-    SpectralMatrix power = std::move(product_of_all);
-    for (int doubling = 0; doubling < 60; ++doubling) {
-      check_interruption();
-      const Eigen::Index left = above(kNegligible, power);  // the lowest frequencies decay last
-      if (left == 0) break;
-      power = head(power, left);
-      const SpectralMatrix turned = adjoint(power);
-      for (Window& window : of_one_) add_to(window, product(product(power, head(window, left)), turned));
-      power = product(power, power);
-    }
+    constexpr Eigen::Index kBlock = 256;  // frequencies that stay in the cache
+    for (Eigen::Index from = 0; from < zero.size(); from += kBlock)
+      add_repetitions(from, part(product_of_all, from, std::min(kBlock, zero.size() - from)));
   }
 
   Eigen::Index dimensions() const override {
@@ -134,6 +126,20 @@ public:
   }
 
 private:
+  /// Adds all further rounds to of_one_ at these frequencies, by doubling. `power`: the product of a pattern there.
+  void add_repetitions(Eigen::Index from, SpectralMatrix power) {
+    constexpr double kNegligible = 1e-20;
+    for (int doubling = 0; doubling < 60; ++doubling) {
+      check_interruption();
+      const Eigen::Index left = above(kNegligible, power);  // the lowest frequencies decay last
+      if (left == 0) break;
+      power = part(power, 0, left);
+      const SpectralMatrix turned = adjoint(power);
+      for (Window& window : of_one_) add_to(window, from, product(product(power, part(window, from, left)), turned));
+      power = product(power, power);
+    }
+  }
+
   Window in_front(const std::vector<Eigen::ArrayXd>& added) const {
     Window window = spectra_.nothing();
     for (std::size_t p = 0; p < period_; ++p) {
