@@ -172,13 +172,13 @@ Eigen::Index HearingSpectra::dimensions(const Vehicle& own, const Vehicle::Packe
 Eigen::VectorXd HearingSpectra::drives(const Vehicle& own, const Vehicle::Packet& packet, const Window& ahead) const {
   const Vehicle::Heard& first = own.inputs[packet.inputs.front()];
   if (first.distance == 0) return Eigen::VectorXd(0);
-  if (packet.inputs.size() > 1) return scattered(own, packet, ahead, false);
+  if (packet.inputs.size() > 1) return scattered(own, packet, ahead, false).matrix();
   return packet.losses->drives((first.sent.abs2() * ahead[first.distance - 1][first.distance - 1].real()).matrix());
 }
 
 Eigen::ArrayXd HearingSpectra::of_drives(const Vehicle& own, const Vehicle::Packet& packet,
                                          const Eigen::VectorXd& drives) const {
-  if (packet.inputs.size() > 1) return drives;
+  if (packet.inputs.size() > 1) return drives.array();
   return own.inputs[packet.inputs.front()].own.abs2() * (*packet.losses)(drives).array();
 }
 
