@@ -159,8 +159,8 @@ class Rare(RareTest):
             "plant": {"actuator_lag": 0.1}, "controller": {"kp": 0.5, "kd": 1.0}, "time_headway_seconds": 1.0, "standstill_distance": 44.0,
             "sample_period": 0.1, "start": "steady", "noise_variance": 0.04, "leader": {"speed": [{"from_step": 0, "value": -20.0}]},
             "initial_position": {"mean": 0.0, "variance": 0.0}, "channel": {"loss": {"probability": 3e-5, "on_loss": "hold"}}}))
-        for seed in range(1, 5):
-            row = self.estimate("row_{}".format(seed), model, followers=1, steps=200, below=23.64, realizations=4000, seed=seed)["1"]
+        for seed in (1, 2):
+            row = self.estimate("row_{}".format(seed), model, followers=1, steps=200, below=23.64, realizations=1000, seed=seed)["1"]
             self.assertGreater(row["upper"], 1.6e-7)
 
     def test_agrees_with_an_integral_of_the_normal_law(self):
@@ -241,31 +241,28 @@ class Rare(RareTest):
 
     @unittest.skipIf(openturns is None, "needs python3-openturns, which Debian 12 and 13 have")
     def test_agrees_with_subset_simulation_by_openturns(self):
-        for distance, channel, seeds in ((2.0, {}, 24), (2.0, LOSS, 16)):
-            with self.subTest(distance=distance, channel=channel):
-                others = [self.by_openturns(distance, bool(channel), seed) for seed in range(1, seeds + 1)]
-                scatter = np.std(others, ddof=1) / math.sqrt(seeds)
-                name = "other_{}_{}".format(distance, len(channel))
-                model = self.model(name=name + ".yaml", standstill_distance=distance, channel=channel)
-                row = self.estimate(name, model, followers=1, steps=100, realizations=20000)["1"]
-                # Student's t with 15 degrees of freedom is beyond 5.2 in 1e-4 of cases. Estimates of single seeds scatter by 17 to 28 %.
-                self.assertLess(scatter, 0.06 * np.mean(others))
-                self.assert_agree(row["probability"], row["standard_error"], np.mean(others), scatter, 5.2)
+        distance, seeds = 2.0, 16
+        others = [self.by_openturns(distance, seed) for seed in range(1, seeds + 1)]
+        scatter = np.std(others, ddof=1) / math.sqrt(seeds)
+        model = self.model(standstill_distance=distance, channel=LOSS)
+        row = self.estimate("other", model, followers=1, steps=100, realizations=20000)["1"]
+        # Student's t with 15 degrees of freedom is beyond 5.2 in 1e-4 of cases. Estimates of single seeds scatter by 17 to 28 %.
+        self.assertLess(scatter, 0.06 * np.mean(others))
+        self.assert_agree(row["probability"], row["standard_error"], np.mean(others), scatter, 5.2)
 
     @staticmethod
-    def by_openturns(distance, loses, seed, steps=100):
+    def by_openturns(distance, seed, steps=100):
         """Probability that the gap of follower 1 behind a leader at rest is below 0; a lost message repeats the one before."""
         def smallest(draws):
             draws = np.array(draws)
             heard = math.sqrt(0.6) * draws[:, :steps]
-            if loses:
-                is_lost = draws[:, steps:] < float(openturns.Normal().computeQuantile(0.1)[0])
-                latest = np.maximum.accumulate(np.where(is_lost, 0, np.arange(1, steps + 1)), axis=1)
-                heard = np.take_along_axis(np.pad(heard, ((0, 0), (1, 0))), latest, axis=1)
+            is_lost = draws[:, steps:] < float(openturns.Normal().computeQuantile(0.1)[0])
+            latest = np.maximum.accumulate(np.where(is_lost, 0, np.arange(1, steps + 1)), axis=1)
+            heard = np.take_along_axis(np.pad(heard, ((0, 0), (1, 0))), latest, axis=1)
             return distance - scipy.signal.lfilter(*LOOP, heard, axis=1).max(axis=1, keepdims=True)
 
         openturns.RandomGenerator.SetSeed(seed)
-        size = steps * (2 if loses else 1)
+        size = 2 * steps
         gap = openturns.CompositeRandomVector(openturns.PythonFunction(size, 1, func_sample=smallest),
                                               openturns.RandomVector(openturns.Normal(size)))
         sampling = openturns.SubsetSampling(openturns.ThresholdEvent(gap, openturns.Less(), 0.0))
