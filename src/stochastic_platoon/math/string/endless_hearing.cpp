@@ -1,4 +1,4 @@
-#include "stochastic_platoon/math/string/hearing_limit.hpp"
+#include "stochastic_platoon/math/string/endless_hearing.hpp"
 
 #include <algorithm>
 #include <cmath>
