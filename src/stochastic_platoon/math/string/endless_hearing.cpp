@@ -63,7 +63,7 @@ Eigen::Index above(double size, const SpectralMatrix& a) {
 class EndlessHearing : public EndlessString {
 public:
   EndlessHearing(const HearingSpectra& spectra, std::size_t period, std::size_t first)
-      : EndlessString(noise_of(spectra, period, first)), spectra_(spectra), period_(period), first_(first) {
+      : EndlessString(period, spectra.moved().size()), spectra_(spectra), period_(period), first_(first) {
     const Window nothing = spectra.nothing();
     SpectralMatrix product_of_all = nothing;
     for (std::size_t j = 0; j < product_of_all.size(); ++j) product_of_all[j][j].setOnes();
@@ -82,6 +82,12 @@ public:
     constexpr Eigen::Index kBlock = 256;  // frequencies that stay in the cache
     for (Eigen::Index from = 0; from < zero.size(); from += kBlock)
       add_repetitions(from, part(product_of_all, from, std::min(kBlock, zero.size() - from)));
+  }
+
+  std::vector<Eigen::ArrayXd> noise() const override {
+    std::vector<Eigen::ArrayXd> added;
+    for (std::size_t p = 0; p < period_; ++p) added.push_back(sum_of(spectra_.added(first_ + p, spectra_.nothing())));
+    return added;
   }
 
   Eigen::Index dimensions() const override {
@@ -148,12 +154,6 @@ private:
       }
     }
     return window;
-  }
-
-  static std::vector<Eigen::ArrayXd> noise_of(const HearingSpectra& spectra, std::size_t period, std::size_t first) {
-    std::vector<Eigen::ArrayXd> added;
-    for (std::size_t p = 0; p < period; ++p) added.push_back(sum_of(spectra.added(first + p, spectra.nothing())));
-    return added;
   }
 
   const HearingSpectra& spectra_;

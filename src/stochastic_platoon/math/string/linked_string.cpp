@@ -101,7 +101,13 @@ private:
 class EndlessLinked : public EndlessString {
 public:
   EndlessLinked(const StringSpectra& spectra, double speed)
-      : EndlessString(noise_of(spectra, speed)), spectra_(spectra), speed_(speed), losses_(spectra) {}
+      : EndlessString(spectra.size(), spectra.nodes()), spectra_(spectra), speed_(speed), losses_(spectra) {}
+
+  std::vector<Eigen::ArrayXd> noise() const override {
+    std::vector<Eigen::ArrayXd> added;
+    for (std::size_t j = 0; j < spectra_.size(); ++j) added.push_back(sum_of(constant_parts(spectra_[j], speed_)));
+    return added;
+  }
 
   Eigen::Index dimensions() const override { return losses_.dimensions(); }
   Eigen::VectorXd drives(const std::vector<Eigen::ArrayXd>& added) const override { return losses_.drives(added); }
@@ -113,12 +119,6 @@ public:
   }
 
 private:
-  static std::vector<Eigen::ArrayXd> noise_of(const StringSpectra& spectra, double speed) {
-    std::vector<Eigen::ArrayXd> added;
-    for (std::size_t j = 0; j < spectra.size(); ++j) added.push_back(sum_of(constant_parts(spectra[j], speed)));
-    return added;
-  }
-
   const StringSpectra& spectra_;
   double speed_;
   LossOperator losses_;

@@ -5,7 +5,7 @@
 namespace platoon {
 
 Eigen::VectorXd EndlessString::passed_on(const Eigen::VectorXd& given) const {
-  std::vector<Eigen::ArrayXd> added(noise_.size(), Eigen::ArrayXd::Zero(noise_.front().size()));
+  std::vector<Eigen::ArrayXd> added = nothing_;
   add(given, added);
   return drives(added);
 }
@@ -20,7 +20,7 @@ double EndlessString::loss_gain_beside_one(double share_of_distance) const {
 }
 
 std::vector<Eigen::ArrayXd> EndlessString::added() const {
-  std::vector<Eigen::ArrayXd> added = noise_;
+  std::vector<Eigen::ArrayXd> added = noise();
   if (dimensions() == 0) return added;
   add(solve_one_minus([this](const Eigen::VectorXd& given) { return passed_on(given); }, drives(added)), added);
   return added;

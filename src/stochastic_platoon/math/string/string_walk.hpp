@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "stochastic_platoon/math/model/signal.hpp"
@@ -35,6 +35,9 @@ class EndlessString {
 public:
   virtual ~EndlessString() = default;
 
+  /// What the places add, without what losses scatter from the vehicles in front.
+  virtual std::vector<Eigen::ArrayXd> noise() const = 0;
+
   /// Number of drives; 0 without losses.
   virtual Eigen::Index dimensions() const = 0;
 
@@ -58,12 +61,10 @@ public:
   std::vector<double> variances(const std::vector<Eigen::ArrayXd>& added) const;
 
 protected:
-  /// `noise`: what the places add, without what losses scatter from the vehicles in front.
-  explicit EndlessString(std::vector<Eigen::ArrayXd> noise) : noise_(std::move(noise)) {}
-
-  const std::vector<Eigen::ArrayXd> noise_;
+  EndlessString(std::size_t places, Eigen::Index nodes) : nothing_(places, Eigen::ArrayXd::Zero(nodes)) {}
 
 private:
+  std::vector<Eigen::ArrayXd> nothing_;
   Eigen::VectorXd passed_on(const Eigen::VectorXd& given) const;
 };
 
