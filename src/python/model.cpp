@@ -59,9 +59,7 @@ Model Model::replaced(const std::map<std::string, std::string>& changes) const {
   for (const auto& change : values) names.push_back(change.first);
   for (auto change = sections.rbegin(); change != sections.rend(); ++change) names.push_back(change->first);
   sections.insert(sections.end(), values.begin(), values.end());
-  for (const auto& change : sections) {
-    problems.check([&] { override_value(document, change.first, change.second); });
-  }
+  problems.check([&] { override_values(document, sections); });
   problems.add(conflicts(names));
   problems.require_none();
   resolve_tables(document["model"], std::filesystem::current_path().string());

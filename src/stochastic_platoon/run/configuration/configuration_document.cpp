@@ -248,4 +248,15 @@ void override_value(YAML::Node& document, const std::string& name, const YAML::N
   throw ConfigurationError({name + ": must be a setting, or lead to a key of the model file"});
 }
 
+void override_values(YAML::Node& document, const std::vector<std::pair<std::string, YAML::Node>>& values) {
+  ProblemCollector problems;
+  for (const bool single : {false, true}) {
+    for (const auto& change : values) {
+      if (change.second.IsScalar() == single)
+        problems.check([&] { override_value(document, change.first, change.second); });
+    }
+  }
+  problems.require_none();
+}
+
 }  // namespace platoon

@@ -34,4 +34,8 @@ YAML::Node configuration_document(const Configuration& base, const std::map<std:
 /// parse_configuration() checks whether the key exists.
 void override_value(YAML::Node& document, const std::string& name, const YAML::Node& value);
 
+/// Sets several, mappings and lists before single values: a delay beside `inputs` is the delay of these inputs. Throws
+/// ConfigurationError with the faults of all.
+void override_values(YAML::Node& document, const std::vector<std::pair<std::string, YAML::Node>>& values);
+
 }  // namespace platoon

@@ -233,9 +233,14 @@ nlohmann::json parse_summary(const std::string& text, const std::string& file) {
   return summary;
 }
 
+void require_own_table(const std::string& folder, const std::string& name) {
+  const std::string summary = folder + "/" + name + ".json";
+  if (may_exist(summary)) parse_summary(read_file(summary, kMostWrittenBytes), summary);
+}
+
 void write_table(const std::string& folder, const std::string& name, nlohmann::json summary, std::string csv) {
+  require_own_table(folder, name);
   const std::string summary_file = folder + "/" + name + ".json";
-  if (may_exist(summary_file)) parse_summary(read_file(summary_file, kMostWrittenBytes), summary_file);  // or throws
   Files table;
   std::string& text = table[name + ".csv"] = std::move(csv);
   write_atomically(summary_file, with_checksums(std::move(summary), table));

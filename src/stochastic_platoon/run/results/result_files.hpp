@@ -35,8 +35,11 @@ nlohmann::json parse_json(const std::string& text, const std::string& file,
 /// The same for a summary.json, which must contain its checksum.
 nlohmann::json parse_summary(const std::string& text, const std::string& file);
 
+/// Throws std::invalid_argument if folder/NAME.json exists and write_table() did not write it.
+void require_own_table(const std::string& folder, const std::string& name);
+
 /// Writes folder/NAME.csv and, before it, NAME.json: the summary with the checksums of both. Replaces the files of an
-/// earlier call. Throws std::runtime_error, and std::invalid_argument if NAME.json is another file.
+/// earlier call. Throws std::runtime_error, and as require_own_table().
 void write_table(const std::string& folder, const std::string& name, nlohmann::json summary, std::string csv);
 
 /// Reads a table. Throws std::invalid_argument if the checksum in a JSON file of the same name beside it is not its

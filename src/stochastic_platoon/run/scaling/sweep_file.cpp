@@ -148,7 +148,9 @@ std::string Sweep::name_of(std::uint64_t point) const {
 Configuration Sweep::configuration(std::uint64_t point) const {
   YAML::Node document = YAML::Clone(shared);
   const std::vector<YAML::Node> found = values(point);
-  for (std::size_t i = 0; i < axes.size(); ++i) override_value(document, axes[i].name, found[i]);
+  std::vector<std::pair<std::string, YAML::Node>> varied;
+  for (std::size_t i = 0; i < axes.size(); ++i) varied.emplace_back(axes[i].name, found[i]);
+  override_values(document, varied);
   resolve_tables(document["model"], folder);
   Configuration configuration = parse_configuration(document);
   if (configuration.run.averaging() == Averaging::over_time)

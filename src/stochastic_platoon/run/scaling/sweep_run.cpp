@@ -15,6 +15,7 @@
 #include "stochastic_platoon/run/report/prediction.hpp"
 #include "stochastic_platoon/run/results/checkpoint.hpp"
 #include "stochastic_platoon/run/results/identity_differences.hpp"
+#include "stochastic_platoon/run/results/result_files.hpp"
 #include "stochastic_platoon/run/scaling/merge.hpp"
 #include "stochastic_platoon/run/scaling/shard_run.hpp"
 #include "stochastic_platoon/run/scaling/sweep_results.hpp"
@@ -115,6 +116,7 @@ private:
 }  // namespace
 
 std::vector<std::uint64_t> missing_points(const Sweep& sweep, const SweepSettings& settings) {
+  require_own_table(settings.output, "sweep");
   std::vector<std::uint64_t> missing;
   for (std::uint64_t point = 0; point < sweep.points(); ++point) {
     std::string damage;

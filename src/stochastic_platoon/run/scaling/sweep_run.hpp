@@ -18,7 +18,8 @@ struct SweepSettings {
   std::function<void(const std::string&)> warn = [](const std::string&) {};  ///< gets slow noise and damaged files
 };
 
-/// The points that the folder does not hold yet. Throws ConfigurationError if it holds points of another sweep.
+/// The points that the folder does not hold yet. Throws ConfigurationError if it holds points of another sweep, and
+/// std::invalid_argument if its sweep.json is another file.
 std::vector<std::uint64_t> missing_points(const Sweep& sweep, const SweepSettings& settings);
 
 /// Computes points on all threads, and writes the rows of each point as soon as it is complete. `progress` receives the

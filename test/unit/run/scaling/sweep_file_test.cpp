@@ -60,6 +60,14 @@ TEST(SweepFile, VariesAnyKeyOfTheModelFile) {
   EXPECT_EQ(sweep.configuration(0).model.default_vehicle().position().link.delay, 0u);
 }
 
+TEST(SweepFile, SetsAKeyOfALinkOnTheInputsOfTheSamePointInAnyOrder) {
+  const std::string inputs = "inputs: [[{signal: position, channel: {delay: 1}}]]", delay = "delay: [4]";
+  for (const std::string& axes : {inputs + ", " + delay, delay + ", " + inputs}) {
+    const Sweep sweep = sweep_of("model: acc.yaml\nvary: {" + axes + "}\n");
+    EXPECT_EQ(sweep.configuration(0).model.default_vehicle().position().link.delay, 4u) << axes;
+  }
+}
+
 TEST(SweepFile, VariesRecordedDrivesBesideIt) {
   const TemporaryFolder folder;
   for (const auto& [name, speed] : {std::pair("slow.csv", "1"), std::pair("fast.csv", "2")}) {

@@ -199,6 +199,7 @@ TEST(Sweep, ReplacesNoOtherFileOfTheNameOfItsChecksums) {
   const std::string own = folder.file("sweep.json", "{\"vary\": {\"loss\": [0, 0.1]}}");
   EXPECT_TRUE(
       contains(message_of<std::invalid_argument>([&] { write(folder, kShorter); }), own + ": crc32 is missing"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "points")) << "before a point is computed";
 }
 
 TEST(Sweep, GoesOnAfterAKillBetweenItsFilesAndFromAnEarlierVersion) {
