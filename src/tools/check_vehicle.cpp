@@ -5,6 +5,7 @@
 #include <ros/master.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <optional>
@@ -24,7 +25,8 @@ namespace {
 
 struct Arguments {
   std::int64_t vehicle;
-  double patience, wait;  ///< [s]
+  std::optional<std::int64_t> followers;  ///< of the platoon; none: all that may hear the vehicle
+  double patience, wait;                  ///< [s]
   std::map<std::string, std::string> settings;
 };
 
@@ -34,15 +36,21 @@ Arguments parsed(int argc, char** argv) {
       {"check_vehicle I: drives vehicle I alone through the vehicle contract, a verdict for each clause\n"
        "Example: check_vehicle 2 --model acc.yaml",
        {"model", "headway", "headway_seconds"},
-       {{"patience", "seconds to wait for an answer (2)"}, {"wait", "seconds to wait for the vehicle (30)"}},
+       {{"followers",
+         "of the platoon (all that may hear the vehicle): if one of them hears its input by radio, that is tested, too"},
+        {"patience", "seconds to wait for an answer (2)"},
+        {"wait", "seconds to wait for the vehicle (30)"}},
        true});
   const auto seconds = [&given](const char* option, double otherwise) {
     return given.has(option) ? platoon::number_of(option, given[option], platoon::kPositive) : otherwise;
   };
   if (given.words.size() != 1)
     throw platoon::ConfigurationError({"check_vehicle I: must be given the number of one vehicle"});
-  return {platoon::integer_of("vehicle", given.words.front(), 1, 1000000), seconds("patience", 2.0),
-          seconds("wait", 30.0), given.settings};
+  const std::int64_t vehicle = platoon::integer_of("vehicle", given.words.front(), 1, platoon::kMaxFollowers);
+  std::optional<std::int64_t> followers;
+  if (given.has("followers"))
+    followers = platoon::integer_of("followers", given["followers"], vehicle, platoon::kMaxFollowers);
+  return {vehicle, followers, seconds("patience", 2.0), seconds("wait", 30.0), given.settings};
 }
 
 // A name that no check has had, as a vehicle remembers the attempts of its latest run, also of an interrupted check.
@@ -53,13 +61,20 @@ std::string launch_of_check() {
 // Two batches, of 1000 and of 1 realizations, from the nominal initial positions.
 platoon::Configuration run_of(const Arguments& arguments, const std::string& name) {
   std::map<std::string, std::string> settings = arguments.settings;
-  settings["followers"] = std::to_string(arguments.vehicle);
-  // A run has 20 million vehicle-steps at most.
-  settings["steps"] = std::to_string(arguments.vehicle > 100000 ? platoon::VehicleCheck::kFewestSteps : 200);
   settings["realizations"] = "1001";
   settings["batch"] = "1000";
   settings["launch_id"] = name;
-  platoon::Configuration configuration = platoon::parse_configuration(platoon::configuration_document(settings));
+  const auto run_with = [&settings](std::int64_t followers) {
+    settings["followers"] = std::to_string(followers);
+    // A run has 20 million vehicle-steps at most.
+    settings["steps"] = std::to_string(followers > 100000 ? platoon::VehicleCheck::kFewestSteps : 200);
+    return platoon::parse_configuration(platoon::configuration_document(settings));
+  };
+  platoon::Configuration configuration = run_with(arguments.followers.value_or(arguments.vehicle));
+  if (!arguments.followers) {
+    const auto behind = static_cast<std::int64_t>(platoon::farthest_ahead(configuration.model));
+    configuration = run_with(std::min(arguments.vehicle + behind, platoon::kMaxFollowers));
+  }
   for (platoon::VehicleType& type : configuration.model.types) type.vehicle.initial_position = {};
   return configuration;
 }

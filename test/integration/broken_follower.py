@@ -23,6 +23,8 @@ class Follower:
         self.faults = ["answer", "twice", "size", "finite", "wrong_run"]  # the faults of `each`
         self.batches, self.silent = 0, False                              # in this attempt
         self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
+        # A fault of its radio: input_size. Without one it sends no input.
+        self.radio = rospy.Publisher(topic + "input", numpy_msg(Position), queue_size=0, tcp_nodelay=True) if fault.startswith("input_") else None
         rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, tcp_nodelay=True,
                          queue_size=1 if fault == "queues" else None)
 
@@ -87,6 +89,17 @@ class Follower:
         if fault == "twice":
             self.out.publish(answer)
         self.out.publish(answer)
+        if self.fault == "beyond" and message.step + 1 == json.loads(rospy.get_param("/platoon/configuration"))["run"]["steps"]:
+            answer.step += 1
+            self.out.publish(answer)
+        if self.radio:
+            self.send_input(answer, (fault or "input_").split("_", 1)[1], message.position)
+
+    def send_input(self, answer, fault, received):
+        values = {"size": self.y[1:], "finite": self.y * np.nan, "causal": received}
+        answer.position = values.get("causal" if self.fault == "input_causal" else fault, 0.0 * self.y)
+        for _ in range({"twice": 2, "answer": 0}.get(fault, 1)):
+            self.radio.publish(answer)
 
     def present_fault(self, message):
         """The present fault of the follower. `each`: the next fault of the list in the second batch of every attempt, then silence."""

@@ -113,21 +113,36 @@ class Contract(ExternalTest):
         self.assertEqual(page, said)
 
     def test_each_broken_vehicle_fails_at_its_clause(self):
-        faults = [clause for clause in CLAUSES if clause != "one_publisher"] + ["foreign", "twice", "place"]
+        faults = [clause for clause in CLAUSES if clause != "one_publisher"] + ["foreign", "twice", "beyond", "place"]
         self.start(os.path.join(HERE, "broken_follower.py"), *["{}:{}".format(i + 1, fault) for i, fault in enumerate(faults)])
         for i, fault in enumerate(faults):
             with self.subTest(fault=fault):
-                said = self.assert_broken({"foreign": "run", "twice": "turn", "place": "start_anew"}.get(fault, fault), i + 1)
+                said = self.assert_broken({"foreign": "run", "twice": "turn", "beyond": "turn", "place": "start_anew"}.get(fault, fault), i + 1)
                 # The attempt number is larger if the vehicle misses the first messages while it connects.
                 why = {"size": "999 positions, of 1000", "finite": "a NaN or an infinity", "answer": "no answer within 1 s",
                        "place": r": at 0 m, of -{} m, its initial position".format(5 * (i + 1)),
                        "spacing": "m behind a predecessor that drives 2 m per step; due: 15 m, with a standstill distance of 5 m and a headway of 5 steps",
+                       "beyond": r"step 200 of the realizations from 0, attempt \d+: the last step is 199",
                        "twice": r"step 6 of the realizations from 0, attempt \d+ was due, and came: step 5"}
                 self.assertRegex(said, why.get(fault, "step "))
         second = self.start_example(len(faults))
         live_platoon.wait_for(lambda: live_platoon.process_of("/vehicle_{}".format(len(faults)), kept_master()), "a second publisher")
         self.assertRegex(self.assert_broken("one_publisher", len(faults)), r"/broken_followers_\d+_\d+ and /vehicle_{0} publish /platoon/vehicle_{0}/position".format(len(faults)))
         second.terminate()
+
+    def test_its_input_is_judged_like_its_position_if_a_vehicle_behind_hears_it(self):
+        """The model is cacc.yaml, of cars with radios."""
+        radio = ("--model", live_platoon.shared("config", "cacc.yaml"))
+        step = "/platoon/vehicle_{}/input: step 5 of the realizations from 0, attempt "
+        faults = {"size": ("size", step + r"\d+: 999 positions, of 1000"), "finite": ("finite", step + r"\d+: a NaN or an infinity"),
+                  "answer": ("answer", step + r"\d+: no answer within 1 s"), "twice": ("turn", step.replace("5", "6") + r"\d+ was due, and came: step 5"),
+                  "causal": ("causal", r"/platoon/vehicle_{}/input: step 19 .* m/s\^2, after the same messages at .* the message of the same step")}
+        self.start(os.path.join(HERE, "broken_follower.py"), *["{}:input_{}".format(i + 1, fault) for i, fault in enumerate(faults)], "6:attempt")
+        for i, (fault, (clause, said)) in enumerate(faults.items()):
+            with self.subTest(fault=fault):
+                self.assertRegex(self.assert_broken(clause, i + 1, *radio), said.format(i + 1))
+        self.assertRegex(self.assert_broken("answer", 6, *radio), "/platoon/vehicle_6/input: step -1 .*: no answer within 1 s")
+        self.assertNotIn("input", self.assert_broken("attempt", 6, *radio, "--followers", "6"), "nobody hears it")
 
     def assert_interrupted(self, index, words):
         """Interrupts a check when it prints a line with these words."""

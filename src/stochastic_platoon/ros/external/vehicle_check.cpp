@@ -65,7 +65,7 @@ Configuration spaced_otherwise(Configuration configuration) {
 
 VehicleCheck::VehicleCheck(ros::NodeHandle platoon, const Configuration& present, const Configuration& next,
                            std::size_t vehicle, double patience)
-    : SimulatedPredecessor(platoon, present.model, vehicle, patience), present_(present), next_(next) {}
+    : SimulatedPredecessor(platoon, present, vehicle, patience), present_(present), next_(next) {}
 
 std::optional<BrokenClause> VehicleCheck::run(const Holds& holds) {
   const std::vector<std::pair<void (VehicleCheck::*)(), std::vector<Clause>>> parts = {
@@ -91,9 +91,12 @@ std::optional<BrokenClause> VehicleCheck::run(const Holds& holds) {
 }
 
 void VehicleCheck::check_publishers() {
-  const std::vector<std::string> names = registered_publishers(position_.getTopic());
-  if (names.size() > 1)
-    throw BrokenClause(Clause::one_publisher, names[0] + " and " + names[1] + " publish " + position_.getTopic());
+  for (const Answers& answers : answers_) {
+    const std::string topic = answers.subscriber.getTopic();
+    const std::vector<std::string> names = registered_publishers(topic);
+    if (names.size() > 1)
+      throw BrokenClause(Clause::one_publisher, names[0] + " and " + names[1] + " publish " + topic);
+  }
 }
 
 void VehicleCheck::check_batches() {
@@ -138,16 +141,19 @@ void VehicleCheck::check_repetition() {
     wait_for_answer(kUntil);
     return answers_;
   };
-  const std::map<std::int64_t, std::vector<double>> first = answers_with(0.0), second = answers_with(1.0);
+  const std::vector<Answers> first = answers_with(0.0), second = answers_with(1.0);
   for (std::int64_t step = kInitialStep; step <= kUntil; ++step) {
-    if (same_bits(first.at(step), second.at(step))) continue;
-    std::size_t r = 0;
-    while (first.at(step)[r] == second.at(step)[r] && r + 1 < first.at(step).size()) ++r;
-    const std::string what =
-        here(step) + formatted(": realization %zu at %.17g m, after the same messages at %.17g m before", r,
-                               second.at(step)[r], first.at(step)[r]);
-    if (step < kUntil) throw BrokenClause(Clause::start_anew, what);
-    throw BrokenClause(Clause::causal, what + ": it depends on the message of the same step");
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      const std::vector<double>&one = first[n].values.at(step), &other = second[n].values.at(step);
+      if (same_bits(one, other)) continue;
+      std::size_t r = 0;
+      while (one[r] == other[r] && r + 1 < one.size()) ++r;
+      const std::string what = here(answers_[n], step) +
+                               formatted(": realization %zu at %.17g %s, after the same messages at %.17g %s before", r,
+                                         other[r], first[n].unit, one[r], first[n].unit);
+      if (step < kUntil) throw BrokenClause(Clause::start_anew, what);
+      throw BrokenClause(Clause::causal, what + ": it depends on the message of the same step");
+    }
   }
 }
 
@@ -196,12 +202,13 @@ void VehicleCheck::check_spacing() {
       const std::size_t source = source_of(input, vehicle_);
       due += input.gain * (position_of(source, step, 0) - static_cast<double>(vehicle_ - source) * spacing);
     }
-    const double predecessor = position_of(vehicle_ - 1, step, 0), distance = predecessor - answers_.at(step).front();
+    const double predecessor = position_of(vehicle_ - 1, step, 0),
+                 distance = predecessor - answers_.front().values.at(step).front();
     if (std::abs(predecessor - due - distance) <= most) return;
     if (doubling < kDoublings) continue;
     throw BrokenClause(
         Clause::spacing,
-        here(step) +
+        here(answers_.front(), step) +
             formatted(": %.6g m behind a predecessor that drives %g m per step; due: %.6g m, with a standstill "
                       "distance of %g m and a headway of %g steps",
                       distance, speed_, predecessor - due, other.standstill_distance, other.headway));
