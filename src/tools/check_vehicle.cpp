@@ -17,6 +17,7 @@
 #include "stochastic_platoon/ros/transport/publishers.hpp"
 #include "stochastic_platoon/run/configuration/configuration.hpp"
 #include "stochastic_platoon/run/configuration/configuration_document.hpp"
+#include "stochastic_platoon/run/configuration/configuration_error.hpp"
 #include "stochastic_platoon/run/configuration/single_number.hpp"
 #include "stochastic_platoon/run/delivery/vehicle_name.hpp"
 #include "tools/command_line.hpp"
@@ -24,11 +25,37 @@
 namespace {
 
 struct Arguments {
-  std::int64_t vehicle;
-  std::optional<std::int64_t> followers;  ///< of the platoon; none: all that may hear the vehicle
-  double patience, wait;                  ///< [s]
-  std::map<std::string, std::string> settings;
+  std::size_t vehicle = 0;
+  double patience = 0.0, wait = 0.0;  ///< [s]
+  platoon::Configuration run;         ///< launch_id: a name that no check has had
 };
+
+// A vehicle remembers the attempts of its latest run, also of an interrupted check.
+std::string launch_of_check() {
+  return "check_vehicle " + std::to_string(std::time(nullptr)) + "-" + std::to_string(::getpid());
+}
+
+// Two batches, of 1000 and of 1 realizations, from the nominal initial positions. Without `followers` the platoon ends
+// with the last one that may hear the vehicle.
+platoon::Configuration run_of(std::map<std::string, std::string> settings, std::int64_t vehicle,
+                              const std::optional<std::int64_t>& followers) {
+  settings["realizations"] = "1001";
+  settings["batch"] = "1000";
+  settings["launch_id"] = launch_of_check();
+  const auto run_with = [&settings](std::int64_t number) {
+    settings["followers"] = std::to_string(number);
+    // A run has 20 million vehicle-steps at most.
+    settings["steps"] = std::to_string(number > 100000 ? platoon::VehicleCheck::kFewestSteps : 200);
+    return platoon::parse_configuration(platoon::configuration_document(settings));
+  };
+  platoon::Configuration configuration = run_with(followers.value_or(vehicle));
+  if (!followers) {
+    const auto behind = static_cast<std::int64_t>(platoon::farthest_ahead(configuration.model));
+    configuration = run_with(std::min(vehicle + behind, platoon::kMaxFollowers));
+  }
+  for (platoon::VehicleType& type : configuration.model.types) type.vehicle.initial_position = {};
+  return configuration;
+}
 
 Arguments parsed(int argc, char** argv) {
   const platoon::CommandLine given = platoon::parse_command_line(
@@ -41,42 +68,28 @@ Arguments parsed(int argc, char** argv) {
         {"patience", "seconds to wait for an answer (2)"},
         {"wait", "seconds to wait for the vehicle (30)"}},
        true});
-  const auto seconds = [&given](const char* option, double otherwise) {
-    return given.has(option) ? platoon::number_of(option, given[option], platoon::kPositive) : otherwise;
+  platoon::ProblemCollector problems;
+  const auto seconds = [&](const char* option, double otherwise) {
+    const auto number = [&] {
+      return given.has(option) ? platoon::number_of(option, given[option], platoon::kPositive) : otherwise;
+    };
+    return problems.result_of(number).value_or(otherwise);
   };
-  if (given.words.size() != 1)
-    throw platoon::ConfigurationError({"check_vehicle I: must be given the number of one vehicle"});
-  const std::int64_t vehicle = platoon::integer_of("vehicle", given.words.front(), 1, platoon::kMaxFollowers);
+  const auto of_words = [&given] {
+    if (given.words.size() != 1)
+      throw platoon::ConfigurationError({"check_vehicle I: must be given the number of one vehicle"});
+    return platoon::integer_of("vehicle", given.words.front(), 1, platoon::kMaxFollowers);
+  };
+  const std::int64_t vehicle = problems.result_of(of_words).value_or(1);
   std::optional<std::int64_t> followers;
-  if (given.has("followers"))
-    followers = platoon::integer_of("followers", given["followers"], vehicle, platoon::kMaxFollowers);
-  return {vehicle, followers, seconds("patience", 2.0), seconds("wait", 30.0), given.settings};
-}
-
-// A name that no check has had, as a vehicle remembers the attempts of its latest run, also of an interrupted check.
-std::string launch_of_check() {
-  return "check_vehicle " + std::to_string(std::time(nullptr)) + "-" + std::to_string(::getpid());
-}
-
-// Two batches, of 1000 and of 1 realizations, from the nominal initial positions.
-platoon::Configuration run_of(const Arguments& arguments, const std::string& name) {
-  std::map<std::string, std::string> settings = arguments.settings;
-  settings["realizations"] = "1001";
-  settings["batch"] = "1000";
-  settings["launch_id"] = name;
-  const auto run_with = [&settings](std::int64_t followers) {
-    settings["followers"] = std::to_string(followers);
-    // A run has 20 million vehicle-steps at most.
-    settings["steps"] = std::to_string(followers > 100000 ? platoon::VehicleCheck::kFewestSteps : 200);
-    return platoon::parse_configuration(platoon::configuration_document(settings));
-  };
-  platoon::Configuration configuration = run_with(arguments.followers.value_or(arguments.vehicle));
-  if (!arguments.followers) {
-    const auto behind = static_cast<std::int64_t>(platoon::farthest_ahead(configuration.model));
-    configuration = run_with(std::min(arguments.vehicle + behind, platoon::kMaxFollowers));
+  if (given.has("followers")) {
+    followers = problems.result_of(
+        [&] { return platoon::integer_of("followers", given["followers"], vehicle, platoon::kMaxFollowers); });
   }
-  for (platoon::VehicleType& type : configuration.model.types) type.vehicle.initial_position = {};
-  return configuration;
+  const double patience = seconds("patience", 2.0), wait = seconds("wait", 30.0);
+  const auto run = problems.result_of([&] { return run_of(given.settings, vehicle, followers); });
+  problems.require_none();
+  return {static_cast<std::size_t>(vehicle), patience, wait, *run};
 }
 
 // Throws if a platoon is running, because the test would disturb its run.
@@ -117,11 +130,10 @@ void print(platoon::Clause clause, const char* verdict, const std::string& what 
 void check(const ros::NodeHandle& platoon, const Arguments& arguments) {
   require_no_run(platoon);
   const KeptConfiguration kept(platoon);
-  const auto vehicle = static_cast<std::size_t>(arguments.vehicle);
-  const std::string launch = launch_of_check();
-  platoon::VehicleCheck check(platoon, run_of(arguments, launch), run_of(arguments, launch + ", another run"), vehicle,
-                              arguments.patience);
-  const std::string name = platoon::vehicle_name(vehicle);
+  platoon::Configuration next = arguments.run;
+  next.run.launch_id += ", another run";
+  platoon::VehicleCheck check(platoon, arguments.run, next, arguments.vehicle, arguments.patience);
+  const std::string name = platoon::vehicle_name(arguments.vehicle);
   if (!check.wait_for_vehicle(platoon::kLinkTime + 0.5)) {
     std::printf("waiting for external %s: start its node\n", name.c_str());
     std::fflush(stdout);

@@ -99,7 +99,7 @@ class Rejected(FolderTest):
                 done = live_platoon.tool(program, *words, **options)
                 self.assertEqual(done.returncode, 1, done.stdout)
                 first, *problems = done.stderr.strip().split("\n")
-                self.assertTrue(first.endswith("/{}: {} errors:".format(program, len(said))), done.stderr)
+                self.assertEqual(os.path.basename(first), "{}: {} errors:".format(program, len(said)), done.stderr)
                 for message in said:
                     self.assertEqual(sum(message in line for line in problems), 1, (message, problems))
 
