@@ -41,8 +41,23 @@ class Example(ExternalTest):
         self.SETTINGS = dict(self.SETTINGS, model=model)
         self.start(live_platoon.shared("launch", "examples", "rospy_radio_follower.py"), "2")
         self.assert_keeps_the_contract(2, "--model", model)
-        self.run_to_the_end(external=2, **self.SETTINGS)
+        bag = self.path("run.bag")
+        self.run_to_the_end(external=2, record=bag, **self.SETTINGS)
         self.assert_equal_within_rounding()
+        self.assertIn("vehicle_2: 153 messages equal the recorded ones to the bit, and its inputs", self.replayed(bag, 2))
+        self.start(live_platoon.shared("launch", "examples", "rospy_radio_follower.py"), "3")
+        apart = re.search(r"vehicle_3: 153 messages as in the recording, positions at most (\S+) m apart, inputs at most (\S+) m/s\^2 apart",
+                          self.replayed(bag, 3))
+        self.assertLess(float(apart.group(1)), 1e-11)
+        self.assertLess(float(apart.group(2)), 1e-10)
+        self.start_example(1)  # without a radio, which vehicle 2 hears
+        self.assertRegex(self.replayed(bag, 1, patience=2.0), r"no verdict: vehicle_1 is not running: no publisher of /platoon/vehicle_1/input")
+
+    def replayed(self, bag, vehicle, **options):
+        """What a replay into an external vehicle says; no other vehicle runs."""
+        terminal = self.launch("replay.launch", bag=bag, drive="vehicle_{}".format(vehicle), external=vehicle, output="", **options)
+        terminal.wait()
+        return terminal.text()
 
     def check_that_theory_speaks_of_vehicle_1_alone(self, summary, said):
         for (vehicle, _), (_, _, mean, variance) in rows(self.output).items():
@@ -69,16 +84,12 @@ class Example(ExternalTest):
         self.assertGreater(os.path.getsize(figure + ".png"), 10000)
 
     def check_replay(self, bag):
-        # Replays its input to the same node; no other vehicle runs.
-        terminal = self.launch("replay.launch", bag=bag, drive="vehicle_2", external=2, output="")
-        terminal.wait()
-        self.assertIn("vehicle_2: 153 messages equal the recorded ones to the bit", terminal.text())
+        self.assertIn("vehicle_2: 153 messages equal the recorded ones to the bit", self.replayed(bag, 2))
         # The other vehicle was recorded from the built-in implementation.
         self.start_example(3)
-        terminal = self.launch("replay.launch", bag=bag, drive="vehicle_3", external=3, output="")
-        terminal.wait()
-        apart = re.search(r"vehicle_3: 153 messages as in the recording, positions at most (\S+) m apart", terminal.text())
-        self.assertTrue(apart, terminal.text())
+        text = self.replayed(bag, 3)
+        apart = re.search(r"vehicle_3: 153 messages as in the recording, positions at most (\S+) m apart", text)
+        self.assertTrue(apart, text)
         self.assertLess(float(apart.group(1)), 1e-11)
 
     def test_it_stays_up_from_run_to_run_and_goes_with_one_process(self):

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "stochastic_platoon/math/model/input.hpp"
+#include "stochastic_platoon/math/model/platoon_model.hpp"
 #include "stochastic_platoon/math/numerics/text.hpp"
 #include "stochastic_platoon/ros/messages/position.hpp"
 #include "stochastic_platoon/ros/messages/topics.hpp"
@@ -62,9 +63,7 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
       bags_(bags),
       vehicle_(vehicle),
       credit_(limits_of(configuration.run)),
-      publisher_(platoon.resolveName(position_topic(vehicle)), external ? its_clause(Clause::one_publisher) : ""),
-      notice_senders_(platoon, configuration.model),
-      counter_(platoon.resolveName(position_topic(vehicle)), external ? name_ : "") {
+      notice_senders_(platoon, configuration.model) {
   if (vehicle < 1 || vehicle > configuration.run.followers) {
     throw std::invalid_argument("vehicle: " + std::to_string(vehicle) +
                                 ": must be a follower of the recording, from 1 to " +
@@ -76,22 +75,39 @@ VehicleReplay::VehicleReplay(ros::NodeHandle platoon, const Configuration& confi
     sent_.push_back({topic, platoon.advertise<Position>(topic, kUnboundedQueue)});
   }
   if (!(patience > 0.0)) throw std::invalid_argument("patience: " + std::to_string(patience) + ": must be above 0 [s]");
+  listen(platoon, position_topic(vehicle), "positions", "m");
+  if (sends_input(configuration.model, vehicle, configuration.run.followers))
+    listen(platoon, input_topic(vehicle), "inputs", "m/s^2");
   open();
-  if (!expected_) throw std::runtime_error("bags: hold no position of " + name_);
-  position_ = platoon.subscribe(position_topic(vehicle), kUnboundedQueue, &VehicleReplay::receive, this, no_delay());
+  if (answers_.size() > 1 && !answers_.back().expected) answers_.pop_back();  // another program recorded no inputs
+  if (!answers_.front().expected) throw std::runtime_error("bags: hold no position of " + name_);
   progress_ = platoon.subscribe(kProgressTopic, kUnboundedQueue, &VehicleReplay::receive_notice, this);
   timer_ = platoon.createSteadyTimer(ros::WallDuration(0.02), [this](const auto&) { play(); });
+}
+
+void VehicleReplay::listen(ros::NodeHandle& platoon, const std::string& topic, const char* noun, const char* unit) {
+  const std::string resolved = platoon.resolveName(topic);
+  answers_.push_back({topic, noun, unit, SolePublisher(resolved, external_ ? its_clause(Clause::one_publisher) : ""),
+                      MessageCounter(resolved, external_ ? name_ : "")});
+  Answers& answers = answers_.back();
+  const boost::function<void(const PositionEvent&)> callback = [this, &answers](const PositionEvent& event) {
+    receive(answers, event);
+  };
+  answers.subscriber = platoon.subscribe<Position, const PositionEvent&>(topic, kUnboundedQueue, callback,
+                                                                         ros::VoidConstPtr(), no_delay());
 }
 
 // Opens the bag at the beginning of the batch that is due.
 void VehicleReplay::open() {
   for (Sent& sent : sent_) sent.stream.emplace(bags_, only(sent.topic));
-  outputs_.emplace(bags_, only(position_topic(vehicle_)));
   read_next();
   for (std::int64_t n = 0; n < credit_.upcoming(); ++n) read_next();
-  expected_ = next_of(*outputs_);
-  for (std::int64_t n = 0; n < batch_start_; ++n) expected_ = next_of(*outputs_);
-  compared_ = batch_start_;
+  for (Answers& answers : answers_) {
+    answers.stream.emplace(bags_, only(answers.topic));
+    answers.expected = next_of(*answers.stream);
+    for (std::int64_t n = 0; n < batch_start_; ++n) answers.expected = next_of(*answers.stream);
+    answers.compared = batch_start_;
+  }
 }
 
 // A recorder writes the streams step by step, so that their messages correspond.
@@ -111,7 +127,7 @@ void VehicleReplay::play() {
 bool VehicleReplay::is_linked() {
   if (!began_) began_ = now();
   const double waited = now() - *began_;
-  const bool linked = platoon::is_linked(position_, sent_, waited);
+  const bool linked = platoon::is_linked(answers_.front().subscriber, sent_, waited);
   if (!linked && !waiting_ && waited >= kLinkTime) {
     ROS_INFO_STREAM("waiting for " << (external_ ? "external " : "") << name_ << (external_ ? ": start its node" : "")
                                    << formatted(" (the replay ends after %g s)", patience_));
@@ -146,66 +162,69 @@ void VehicleReplay::send_allowed() {
 void VehicleReplay::begin_again() {
   open();
   const Position::Ptr& first = sent_.front().next;
-  if (!first || !expected_) return end_with("the bag has changed while it was replayed");
-  const std::uint32_t recorded = first->attempt;
-  if (last_attempt_ >= kLastAttempt || recorded > last_attempt_)
+  if (!first || !last_behind().expected) return end_with("the bag has changed while it was replayed");
+  if (last_attempt_ >= kLastAttempt || first->attempt > last_attempt_)
     return end_with(formatted("%s: attempt %u is followed by none", name_.c_str(), last_attempt_));
-  attempts_ahead_ = last_attempt_ + 1 - recorded;
+  attempts_ahead_ = last_attempt_ + 1 - first->attempt;
   ROS_DEBUG_STREAM(name_ << ": attempt " << last_attempt_ + 1 << " begins");
 }
 
-MessageId VehicleReplay::expected_id() const {
-  MessageId id = id_of(*expected_);
+// The answers of which the fewest have been compared.
+const VehicleReplay::Answers& VehicleReplay::last_behind() const {
+  return *std::min_element(answers_.begin(), answers_.end(),
+                           [](const Answers& one, const Answers& other) { return one.compared < other.compared; });
+}
+
+MessageId VehicleReplay::expected_id(const Answers& answers) const {
+  MessageId id = id_of(*answers.expected);
   id.attempt += attempts_ahead_;
   return id;
 }
 
-void VehicleReplay::receive(const PositionEvent& event) {
+void VehicleReplay::receive(Answers& answers, const PositionEvent& event) {
   const Position& live = *event.getMessage();
   if (done_) return;
-  if (live.run != run_) return drop(DropReason::foreign_run, live);
-  if (publisher_.admits(event.getConnectionHeaderPtr(), live.run)) judge(live);
+  if (live.run != run_) return answers.counter.drop(DropReason::foreign_run, id_of(live), live.position.size());
+  if (answers.publisher.admits(event.getConnectionHeaderPtr(), live.run) && answers.expected) judge(answers, live);
 }
 
 // Why an answer does not count; none if it is due. A built-in vehicle of another size, or with a NaN, differs.
-DropReason VehicleReplay::fault_of(const Position& live) const {
-  if (live.attempt < expected_id().attempt) return DropReason::stale;
-  if (!is_of(expected_id(), live)) return DropReason::out_of_turn;
-  if (external_ && live.position.size() != expected_->position.size()) return DropReason::wrong_size;
+DropReason VehicleReplay::fault_of(const Answers& answers, const Position& live) const {
+  if (live.attempt < expected_id(answers).attempt) return DropReason::stale;
+  if (!is_of(expected_id(answers), live)) return DropReason::out_of_turn;
+  if (external_ && live.position.size() != answers.expected->position.size()) return DropReason::wrong_size;
   return external_ && !all_finite(live.position) ? DropReason::not_finite : DropReason::none;
 }
 
 // A fault at the answer that is due, or after it, shows that the latter is lost. The attempt may grow between recorded
 // batches.
-void VehicleReplay::judge(const Position& live) {
-  const MessageId id = id_of(live), due = expected_id();
+void VehicleReplay::judge(Answers& answers, const Position& live) {
+  const MessageId id = id_of(live), due = expected_id(answers);
   const auto place = [](const MessageId& of) { return std::tie(of.attempt, of.first_realization, of.step); };
-  const DropReason fault = fault_of(live);
+  const DropReason fault = fault_of(answers, live);
   if (fault != DropReason::none) {
-    const std::optional<DropReason> breach = counter_.latest_breach();
+    const std::optional<DropReason> breach = answers.counter.latest_breach();
     const bool due_dropped = breach == DropReason::wrong_size || breach == DropReason::not_finite;
-    if (!due_dropped || fault != DropReason::out_of_turn) drop(fault, live);  // else the fault is the one before
+    if (!due_dropped || fault != DropReason::out_of_turn)  // else the fault is the one before
+      answers.counter.drop(fault, id, live.position.size());
     if (place(id) < place(due)) return;
     if (credit_.give_up(now())) begin_again();
     return send_allowed();
   }
-  compare(live, *expected_);
-  if (!difference_.empty()) {
-    done_ = true;
-    return;
-  }
-  counter_.take(id);
-  const bool begins_batch = id.step == kInitialStep;
-  if (begins_batch) batch_start_ = compared_;
-  credit_.answer(begins_batch, now());
-  ++compared_;
-  expected_ = next_of(*outputs_);
-  done_ = !expected_;
+  compare(answers, live);
+  done_ = !difference_.empty();
+  if (done_) return;
+  answers.counter.take(id);
+  const std::int64_t before = last_behind().compared;
+  ++answers.compared;
+  answers.expected = next_of(*answers.stream);
+  if (last_behind().compared == before) return;  // the step lacks another answer
+  if (id.step == kInitialStep) batch_start_ = before;
+  credit_.answer(id.step == kInitialStep, now());
+  done_ = !last_behind().expected;
+  if (done_ && std::any_of(answers_.begin(), answers_.end(), [](const Answers& of) { return of.expected; }))
+    end_with("the bag holds fewer messages of one of its answers than of another");
   send_allowed();
-}
-
-void VehicleReplay::drop(DropReason reason, const Position& live) {
-  counter_.drop(reason, id_of(live), live.position.size());
 }
 
 void VehicleReplay::receive_notice(const ros::MessageEvent<const Progress>& event) {
@@ -226,51 +245,55 @@ void VehicleReplay::end_with(const std::string& reason) {
 std::string VehicleReplay::silence() const {
   const std::string external_hint =
       external_ ? "; the vehicle is external: start its node, and allow it more time with patience:=SECONDS" : "";
-  if (position_.getNumPublishers() == 0)
-    return name_ + " is not running: no publisher of " + position_.getTopic() + external_hint;
+  for (const Answers& answers : answers_) {
+    if (answers.subscriber.getNumPublishers() == 0)
+      return name_ + " is not running: no publisher of " + answers.subscriber.getTopic() + external_hint;
+  }
   for (const Sent& sent : sent_) {
     if (sent.publisher.getNumSubscribers() == 0)
       return name_ + " is not running: no subscriber of " + sent.publisher.getTopic() + external_hint;
   }
-  const MessageId due = expected_id();
-  const std::optional<DropReason> breach = counter_.latest_breach();
-  const std::string what =
-      breach ? std::string("; its last message was dropped, as ") + to_string(*breach) : std::string();
+  const Answers& behind = last_behind();
+  const MessageId due = expected_id(behind);
+  const std::optional<DropReason> breach = behind.counter.latest_breach();
+  const std::string what = breach ? std::string("; its last message was dropped, as ") + to_string(*breach) : "";
   return name_ +
-         formatted(" has not answered step %lld of the realizations from %llu within %g s, in %u attempts",
-                   static_cast<long long>(due.step), static_cast<unsigned long long>(due.first_realization), patience_,
+         formatted(" has not answered step %lld of the realizations from %llu%s within %g s, in %u attempts",
+                   static_cast<long long>(due.step), static_cast<unsigned long long>(due.first_realization),
+                   &behind == &answers_.front() ? "" : (" on " + behind.topic).c_str(), patience_,
                    credit_.repetitions() + 1) +
          what + "; " + named(breach ? *broken_clause(*breach) : Clause::answer);
 }
 
-void VehicleReplay::compare(const Position& live, const Position& recorded) {
+void VehicleReplay::compare(Answers& answers, const Position& live) {
+  const Position& recorded = *answers.expected;
   const bool same_size = live.position.size() == recorded.position.size();
   const std::size_t bytes = recorded.position.size() * sizeof(double);
   if (same_size && std::memcmp(live.position.data(), recorded.position.data(), bytes) == 0) return;
   if (same_size && external_) {
-    for (std::size_t r = 0; r < recorded.position.size(); ++r) {
-      largest_ = std::max(largest_, std::abs(live.position[r] - recorded.position[r]));
-    }
+    for (std::size_t r = 0; r < recorded.position.size(); ++r)
+      answers.largest = std::max(answers.largest, std::abs(live.position[r] - recorded.position[r]));
     return;
   }
   difference_ = formatted("step %lld of the realizations from %llu", static_cast<long long>(recorded.step),
                           static_cast<unsigned long long>(recorded.first_realization));
-  for (std::size_t r = 0; same_size && r < recorded.position.size(); ++r) {
-    if (live.position[r] == recorded.position[r]) continue;
-    difference_ +=
-        formatted(": realization %zu is at %.17g m, was at %.17g m", r, live.position[r], recorded.position[r]);
-    break;
-  }
+  std::size_t r = 0;
+  while (same_size && r + 1 < live.position.size() && live.position[r] == recorded.position[r]) ++r;
+  if (same_size)
+    difference_ += formatted(": realization %zu is at %.17g %s, was at %.17g %s", r, live.position[r], answers.unit,
+                             recorded.position[r], answers.unit);
 }
 
 std::string VehicleReplay::verdict() const {
   if (!reason_.empty()) return "no verdict: " + reason_;
   if (!difference_.empty()) return name_ + " differs from the recording at " + difference_;
-  if (largest_ != 0.0) {
-    return name_ + formatted(": %lld messages as in the recording, positions at most %.3g m apart",
-                             static_cast<long long>(compared_), largest_);
+  std::string apart;
+  for (const Answers& of : answers_) {
+    if (of.largest != 0.0) apart += formatted(", %s at most %.3g %s apart", of.noun, of.largest, of.unit);
   }
-  return name_ + formatted(": %lld messages equal the recorded ones to the bit", static_cast<long long>(compared_));
+  const std::string others = answers_.size() > 1 ? std::string(", and its ") + answers_.back().noun : "";
+  return name_ + formatted(": %lld messages", static_cast<long long>(answers_.front().compared)) +
+         (apart.empty() ? " equal the recorded ones to the bit" + others : " as in the recording" + apart);
 }
 
 }  // namespace platoon

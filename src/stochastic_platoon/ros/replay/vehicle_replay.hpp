@@ -4,6 +4,7 @@
 #include <stochastic_platoon/Position.h>
 #include <stochastic_platoon/Progress.h>
 
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,7 +26,8 @@ namespace platoon {
 /// a newer attempt, as the leader does (see ReplayCredit): a link may be up at one end only, and a vehicle may be
 /// killed. The replay ends with a verdict or, after `patience` without a new answer, with the reason why there is none.
 ///
-/// Subscribes: `vehicle_<i>/position` (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages
+/// Subscribes: `vehicle_<i>/position`, and `vehicle_<i>/input` if a vehicle behind hears it
+/// (stochastic_platoon/Position), progress (stochastic_platoon/Progress: messages
 /// that the vehicle has missed). Publishes: received_topic() of all its inputs, `vehicle_<i>/predecessor_position` of
 /// the paper's (stochastic_platoon/Position).
 class VehicleReplay {
@@ -39,25 +41,41 @@ public:
   bool done() const { return done_; }
 
   /// "vehicle_3: 2020 messages equal the recorded ones to the bit", or the first message that differs; for an external
-  /// vehicle the largest distance of its positions from them. Or the reason why there is no verdict.
+  /// vehicle the largest distance of its positions, and of its inputs, from them. Or the reason why there is no
+  /// verdict.
   std::string verdict() const;
   bool equal() const { return done_ && difference_.empty() && reason_.empty(); }
 
 private:
+  /// The vehicle's answers on one topic.
+  struct Answers {
+    std::string topic;
+    const char* noun;  ///< "positions"
+    const char* unit;
+    SolePublisher publisher;
+    MessageCounter counter;
+    ros::Subscriber subscriber = {};
+    std::optional<BagStream> stream = {};
+    stochastic_platoon::Position::Ptr expected = {};  ///< next answer; none at the end
+    std::int64_t compared = 0;                        ///< recorded answers before the expected one
+    double largest = 0.0;                             ///< largest distance of an external vehicle's from the recorded
+  };
+
   void open();
+  void listen(ros::NodeHandle& platoon, const std::string& topic, const char* noun, const char* unit);
   void play();
   void send_allowed();
   void read_next();
   void begin_again();
   bool is_linked();
   void check_patience();
-  void receive(const PositionEvent& event);
+  void receive(Answers& answers, const PositionEvent& event);
   void receive_notice(const ros::MessageEvent<const stochastic_platoon::Progress>& event);
-  DropReason fault_of(const stochastic_platoon::Position& live) const;
-  void judge(const stochastic_platoon::Position& live);
-  void drop(DropReason reason, const stochastic_platoon::Position& live);
-  void compare(const stochastic_platoon::Position& live, const stochastic_platoon::Position& recorded);
-  MessageId expected_id() const;
+  DropReason fault_of(const Answers& answers, const stochastic_platoon::Position& live) const;
+  void judge(Answers& answers, const stochastic_platoon::Position& live);
+  void compare(Answers& answers, const stochastic_platoon::Position& live);
+  const Answers& last_behind() const;
+  MessageId expected_id(const Answers& answers) const;
   std::string silence() const;
   void end_with(const std::string& reason);
 
@@ -75,23 +93,17 @@ private:
     std::optional<BagStream> stream = {};
     stochastic_platoon::Position::Ptr next = {};  ///< next one to send; none at the end
   };
-  std::vector<Sent> sent_;  ///< all inputs, step by step
-  std::optional<BagStream> outputs_;
-  stochastic_platoon::Position::Ptr expected_;  ///< next answer; none at the end
-  std::int64_t compared_ = 0;                   ///< recorded answers before the expected one
-  std::int64_t batch_start_ = 0;                ///< recorded answers before the batch of the expected one
-  std::uint32_t attempts_ahead_ = 0;            ///< attempt of this replay minus the recorded one
-  std::uint32_t last_attempt_ = 0;              ///< latest attempt sent
-  double largest_ = 0.0;    ///< [m] largest distance of an external vehicle's position from the recorded one
-  std::string difference_;  ///< the first difference
-  std::string reason_;      ///< why there is no verdict
+  std::vector<Sent> sent_;            ///< all inputs, step by step
+  std::deque<Answers> answers_;       ///< positions, and inputs if a vehicle behind hears them, step by step
+  std::int64_t batch_start_ = 0;      ///< recorded answers before the batch of the expected one
+  std::uint32_t attempts_ahead_ = 0;  ///< attempt of this replay minus the recorded one
+  std::uint32_t last_attempt_ = 0;    ///< latest attempt sent
+  std::string difference_;            ///< the first difference
+  std::string reason_;                ///< why there is no verdict
   bool done_ = false;
   bool waiting_ = false;         ///< for the vehicle, as last logged
   std::optional<double> began_;  ///< [s] first check of the links
-  SolePublisher publisher_;
   NoticeSenders notice_senders_;
-  MessageCounter counter_;
-  ros::Subscriber position_;
   ros::Subscriber progress_;
   ros::SteadyTimer timer_;
 };
