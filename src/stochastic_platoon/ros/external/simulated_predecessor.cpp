@@ -198,8 +198,7 @@ void SimulatedPredecessor::judge(const Received& received) {
   answers.values[message.step] = message.position;
 }
 
-// Throws BrokenClause if the message is of a step behind the last, also of an earlier batch: it follows the last
-// answer.
+// Throws BrokenClause for a step beyond the last of its batch, which may be an earlier one.
 void SimulatedPredecessor::judge_end(const Answers& answers, const Position& message) const {
   if (schedule_.endless() || message.step < schedule_.steps) return;
   throw BrokenClause(Clause::turn,
