@@ -142,7 +142,7 @@ def is_papers(stability: sp.StabilityMap) -> bool:
         row, column = np.abs(stability.ys - gain).argmin(), np.abs(stability.xs - headway).argmin()
         if not abs(stability.spectral_radius[row, column] - radius) < 0.1:
             return False
-    return not np.nanmax(stability.loss_gain, initial=0.0) > 0.0
+    return not np.any(stability.loss_gain > 0.0)
 
 
 def mark_paper_points(axes: Axes, stability: sp.StabilityMap) -> List[Any]:
