@@ -229,7 +229,7 @@ class Numbers(PlotTest):
             figure = plot.rare.draw([near, self.make_rare("other", 3.0, **of_another)], [])
             self.assertEqual(len(figure.axes), 1, of_another)
             figure = plot.rare.draw([far, self.make_rare("other", 2.5, **of_another), near], [])
-            lines = [line.lines[0].get_xdata().tolist() for line in figure.axes[1].containers]
+            lines = [list(line.lines[0].get_xdata()) for line in figure.axes[1].containers]
             self.assertEqual(lines, 2 * [[2.0, 3.0]], of_another)
             self.assertEqual(figure.axes[1].get_legend_handles_labels()[1], ["follower 2", "any follower"])
 
@@ -238,7 +238,7 @@ class Numbers(PlotTest):
         axes = plot.rare.draw(runs, []).axes[1]
         self.assertEqual(axes.get_legend_handles_labels()[1], ["follower 2: 80_2.0, 80_3.0", "any follower: 80_2.0, 80_3.0",
                                                                "follower 2: 60_2.0, 60_3.0", "any follower: 60_2.0, 60_3.0"])
-        self.assertEqual([line.lines[0].get_xdata().tolist() for line in axes.containers], 4 * [[2.0, 3.0]])
+        self.assertEqual([list(line.lines[0].get_xdata()) for line in axes.containers], 4 * [[2.0, 3.0]])
 
     def make_front(self, values, over="limit_variance", against="delay_margin"):
         points = [{"over": value, "against": 1.0 + k, "variables": {"controller/kp": 0.1 + k}} for k, value in enumerate(values)]
