@@ -46,20 +46,18 @@ Model Model::replaced(const std::map<std::string, std::string>& changes) const {
   YAML::Node document;
   document["model"] = YAML::Clone(document_);
   ProblemCollector problems;
-  std::vector<std::pair<std::string, YAML::Node>> sections, values;
+  std::vector<std::pair<std::string, YAML::Node>> values;
   for (const auto& change : changes) {
     problems.check([&] {
       require_model_key(change.first);
-      const YAML::Node value = parse_yaml(change.second, change.first);
-      (value.IsScalar() ? values : sections).emplace_back(change.first, value);
+      values.emplace_back(change.first, parse_yaml(change.second, change.first));
     });
   }
   // A section or list after the keys within it, which it would drop: such changes have no order of their own.
   std::vector<std::string> names;
-  for (const auto& change : values) names.push_back(change.first);
-  for (auto change = sections.rbegin(); change != sections.rend(); ++change) names.push_back(change->first);
-  sections.insert(sections.end(), values.begin(), values.end());
-  problems.check([&] { override_values(document, sections); });
+  for (auto change = values.rbegin(); change != values.rend(); ++change)
+    names.insert(change->second.IsScalar() ? names.begin() : names.end(), change->first);
+  problems.check([&] { override_values(document, values); });
   problems.add(conflicts(names));
   problems.require_none();
   resolve_tables(document["model"], std::filesystem::current_path().string());

@@ -23,7 +23,7 @@ class Follower:
         self.faults = ["answer", "twice", "size", "finite", "wrong_run"]  # the faults of `each`
         self.batches, self.silent = 0, False                              # in this attempt
         self.out = rospy.Publisher(topic + "position", numpy_msg(Position), queue_size=0, tcp_nodelay=True)
-        # A fault of its radio: input_size. Without one it sends no input.
+        # Faults of the control input begin with input_; a follower with another fault sends no input.
         self.radio = rospy.Publisher(topic + "input", numpy_msg(Position), queue_size=0, tcp_nodelay=True) if fault.startswith("input_") else None
         rospy.Subscriber(topic + "predecessor_position", numpy_msg(Position), self.receive, tcp_nodelay=True,
                          queue_size=1 if fault == "queues" else None)

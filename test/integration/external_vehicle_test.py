@@ -153,7 +153,7 @@ class Contract(ExternalTest):
             with self.subTest(fault=fault):
                 self.assertRegex(self.assert_broken(clause, i + 1, *radio), said.format(i + 1))
         self.assertRegex(self.assert_broken("answer", 6, *radio), "/platoon/vehicle_6/input: step -1 .*: no answer within 1 s")
-        self.assertNotIn("input", self.assert_broken("attempt", 6, *radio, "--followers", "6"), "nobody hears it")
+        self.assertNotIn("input", self.assert_broken("attempt", 6, *radio, "--followers", "6"), "no vehicle behind hears the input")
 
     def assert_interrupted(self, index, words):
         """Interrupts a check when it prints a line with these words."""

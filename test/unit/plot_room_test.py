@@ -42,7 +42,7 @@ class Room(PlotTest, Boxes):
     def test_the_axis_of_a_gain_above_an_unused_panel_has_numbers(self):
         figure = self.gains(7)
         FigureCanvasAgg(figure).draw()
-        # The layout of earlier versions of Matplotlib draws unused panels, but not to be seen.
+        # Matplotlib 3.3 adds invisible panels in place of the unused ones.
         shown = [any(tick.label1.get_visible() for tick in panel.xaxis.get_major_ticks()) for panel in figure.axes if panel.get_visible()]
         self.assertEqual(shown, 2 * [False] + 5 * [True])
 
